@@ -62,7 +62,7 @@ module fp3_tile_scheduler #(
         .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .settings_o(settings),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .overfull_i(overfull),
-        .no_room_i(no_room), .flags_i(flags), .events_i(events),
+        .no_room_i(no_room), .raised_i(report_raised), .flags_i(flags), .events_i(events),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));

@@ -10,8 +10,8 @@
 //
 //           A list is descriptors in memory, each of which is a transfer, or waits for the end of a
 //           run, or goes back some times: so one command is many runs on objects that the store has no
-//           room for. The place of a transfer may be some words of each record: after each run of
-//           words others are left out.
+//           room for. By how a run has ended the list may go on elsewhere. The place of a transfer may
+//           be some words of each record: after each run of words others are left out.
 //
 // Latency   A load takes a cycle for each word beyond the memory's latency, a store likewise. Where
 //           the place does not stream (constants, registers), a word takes as long as an access.
@@ -22,7 +22,8 @@
 //           has moved is there before the next one is read.
 // Hazard    Words that are moved at the same time as the host accesses them are old or new. After an
 //           error what memory or the processor has of the range is old or new word by word. A wait
-//           for a bit that never falls ends by reset alone: a run that a list starts has to end.
+//           for a bit that never falls ends by reset alone: a run that a list starts has to end. So
+//           does a list that always goes back.
 `default_nettype none
 module fp3_transfer #(
     parameter WORDS_W = 24,            // bits of a number of words
@@ -94,6 +95,8 @@ module fp3_transfer #(
     reg                more_q;         // when what is done is over, another descriptor comes
     reg  [31:2]        next_q;         // ... from here
     reg                wait_q, waited_q; // a word of a place is waited for, and has come
+    reg                otherwise_q;    // ... and if it is another one than was said, the list goes on elsewhere
+    reg                elsewhere_q;    // ... as it does
     // A part of a list is made again
     reg                again_q;        // it is
     reg  [WORDS_W-1:0] again_left_q;   // ... how often after this time
@@ -117,7 +120,8 @@ module fp3_transfer #(
     wire        sets     = ask_write_i && (ask_register_i == MEMORY || ask_register_i == PLACE || ask_register_i == WORDS);
     wire        whole    = ask_register_i == WORDS ? ask_wdata_i[31:WORDS_W] == {32-WORDS_W{1'b0}} : ask_wdata_i[1:0] == 2'd0;
     wire        commands = one_of({ask_wdata_i[TRANSFER_CONTROL_LOAD_LO], ask_wdata_i[TRANSFER_CONTROL_STORE_LO],
-                                   ask_wdata_i[TRANSFER_CONTROL_WAIT_LO], list}) && !ask_wdata_i[TRANSFER_CONTROL_AGAIN_LO];
+                                   ask_wdata_i[TRANSFER_CONTROL_WAIT_LO], list}) && !ask_wdata_i[TRANSFER_CONTROL_AGAIN_LO]
+                         && !ask_wdata_i[TRANSFER_CONTROL_OTHERWISE_LO];
     wire        legal    = ask_write_i ? !busy_q && (control ? commands : sets && whole)
                                        : ask_register_i != CONTROL && ask_register_i <= NEXT;
     wire        start    = ask_i && control && legal;
@@ -152,12 +156,14 @@ module fp3_transfer #(
 
     // What a descriptor may say; it is the word that comes last.
     wire        possible = one_of({rdata_i[TRANSFER_CONTROL_LOAD_LO], rdata_i[TRANSFER_CONTROL_STORE_LO], rdata_i[TRANSFER_CONTROL_WAIT_LO],
-                                   rdata_i[TRANSFER_CONTROL_AGAIN_LO]}) && !rdata_i[TRANSFER_CONTROL_LIST_LO];
+                                   rdata_i[TRANSFER_CONTROL_AGAIN_LO]}) && !rdata_i[TRANSFER_CONTROL_LIST_LO]
+                         && (rdata_i[TRANSFER_CONTROL_WAIT_LO] || !rdata_i[TRANSFER_CONTROL_OTHERWISE_LO]);
 
     // What begins: a command of the host's, the next descriptor, or what a descriptor says
     wire       over;
     wire       impossible = wrong_q || strays_q;
-    wire       next   = busy_q && over && !failed && !fetch_q && more_q;
+    wire       more   = more_q || elsewhere_q;
+    wire       next   = busy_q && over && !failed && !fetch_q && more;
     wire       does   = busy_q && over && !failed && fetch_q && !impossible;
     wire       go     = start || next || does;
     wire       fetch  = (start && list) || next;
@@ -168,7 +174,7 @@ module fp3_transfer #(
     wire       back   = repeats && again_left != {WORDS_W{1'b0}};
     wire       waits_for = !fetch && said[TRANSFER_CONTROL_WAIT_LO];
     wire       none   = waits_for || repeats;              // no words
-    wire [31:2] first = next ? next_q : memory_q;
+    wire [31:2] first = next && !elsewhere_q ? next_q : memory_q;
     wire [WORDS_W-1:0] count = fetch ? DESCRIPTOR : none ? {WORDS_W{1'b0}} : words_q;
 
     // Bursts
@@ -215,7 +221,8 @@ module fp3_transfer #(
     wire   moves  = reads || sends;
     wire   bad    = (reads && rerror_i) || (closes && berror_i);
     wire   comes  = answered_i && wait_q && !answer_rdata_i[0];
-    wire   denied = answered_i && (answer_error_i || (comes && answer_rdata_i != {{32-WORDS_W{1'b0}}, words_q}));
+    wire   other  = comes && answer_rdata_i != {{32-WORDS_W{1'b0}}, words_q};
+    wire   denied = answered_i && (answer_error_i || (other && !otherwise_q));
     wire   rests  = bursts_over && owed_q == {OWED_W{1'b0}} && bursts_q == {BURSTS_W+1{1'b0}} && !full_q && !sends_q
                  && open_i == {OPEN_W{1'b0}};
     assign over   = rests && (failed || (fetch_q ? looked_q : wait_q ? waited_q : !asks_left));
@@ -234,7 +241,7 @@ module fp3_transfer #(
             if (start || repeats) again_q <= back;
             if (start)                {done_q, memory_error_q, refused_q} <= 3'd0;
             else if (busy_q) begin
-                done_q <= over && !failed && !fetch_q && !more_q;
+                done_q <= over && !failed && !fetch_q && !more;
                 if (!failed) {memory_error_q, refused_q} <= {bad, (denied || (over && fetch_q && impossible)) && !bad};
             end
             full_q  <= (reads && !failed && !fetch_q) || (full_q && !asked && !failed);
@@ -244,9 +251,11 @@ module fp3_transfer #(
             store_q <= !fetch && said[TRANSFER_CONTROL_STORE_LO];
             stay_q  <= waits_for || said[TRANSFER_CONTROL_STAY_LO];
             {wait_q, waited_q, wrong_q, word_number_q} <= {waits_for, 4'd0};
+            {otherwise_q, elsewhere_q} <= {said[TRANSFER_CONTROL_OTHERWISE_LO], 1'b0};
             {run_q, skip_q} <= {said[TRANSFER_CONTROL_RUN_HI:TRANSFER_CONTROL_RUN_LO], said[TRANSFER_CONTROL_SKIP_HI:TRANSFER_CONTROL_SKIP_LO]};
         end else begin
             waited_q <= waited_q || comes;
+            elsewhere_q <= elsewhere_q || (other && otherwise_q);
             if (fetched) begin
                 word_number_q <= word_number_q + 2'd1;
                 said_q        <= rdata_i[SAID_W-1:0];

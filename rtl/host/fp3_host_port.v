@@ -50,6 +50,7 @@ module fp3_host_port #(
     input  wire                   half_i,                 // of the store: it has the published words
     input  wire                   overfull_i,             // a lane's list was to get more than it has room for
     input  wire                   no_room_i,              // a list that is made has no room: the run will end
+    input  wire                   raised_i,               // an object has raised
     input  wire [4:0]             flags_i,                // raised in this cycle
     input  wire [`FP3_EVENTS_W-1:0]   events_i,
     // Its memories
@@ -111,6 +112,7 @@ module fp3_host_port #(
     reg [4:0]           flags_q;
     reg                 irq_enable_q, ended_q;
     reg                 irq_enable_failed_q, failed_q;
+    wire                raised;                           // an object has raised in the run
 
     // Is the access to a register legal? The address is checked first, the state of the run a cycle
     // later, which keeps the path short.
@@ -179,6 +181,7 @@ module fp3_host_port #(
         words[8*ADDR_STATUS + STATUS_ILLEGAL_LO +: 1]   = illegal_q && !busy;
         words[8*ADDR_STATUS + STATUS_STOPPED_LO +: 1]   = stopped_q && !busy;
         words[8*ADDR_STATUS + STATUS_NO_ROOM_LO +: 1]   = no_room_q && !busy;
+        if (KEEP != 0) words[8*ADDR_STATUS + STATUS_RAISED_LO +: 1] = raised && !busy;
         words[8*ADDR_FAULT +: PROGRAM_W]                = fault_q;
         words[8*ADDR_FLAGS +: 5]                        = flags_q;
         if (NEIGHBOURS != 0) words[8*ADDR_HALF + HALF_UPPER_LO +: 1] = half_i;
@@ -282,6 +285,17 @@ module fp3_host_port #(
             end
             if (to_interrupt) irq_enable_q <= wdata_q[INTERRUPT_ENABLE_LO];
         end
+
+    generate
+        if (KEEP != 0) begin : g_raised
+            reg raised_q;
+            always @(posedge clk_i) raised_q <= !rst_i && !start && (raised_q || raised_i);
+            assign raised = raised_q;
+        end else begin : g_never_raised
+            assign raised = 1'b0;
+            wire unused_raised = raised_i;
+        end
+    endgenerate
 
     // Interrupts a sleeping host at an overflow or an invalid operation, before the run ends.
     always @(posedge clk_i)

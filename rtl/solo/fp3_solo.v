@@ -66,7 +66,7 @@ module fp3_solo #(
         .req_valid_i(req_valid_i), .req_write_i(req_write_i), .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .settings_o(settings),
-        .running_i(running_q), .illegal_i(illegal), .illegal_pc_i(pc_q), .half_i(1'b0), .overfull_i(1'b0), .no_room_i(1'b0),
+        .running_i(running_q), .illegal_i(illegal), .illegal_pc_i(pc_q), .half_i(1'b0), .overfull_i(1'b0), .no_room_i(1'b0), .raised_i(1'b0),
         .flags_i(retire_flags_o & {5{retire_valid_o}}), .events_i(`FP3_EVENTS),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(access_write), .space_o(space), .addr_o(address),

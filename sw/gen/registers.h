@@ -102,6 +102,8 @@
 #define FP3_STATUS_STOPPED_LO               3
 #define FP3_STATUS_NO_ROOM_HI               4
 #define FP3_STATUS_NO_ROOM_LO               4
+#define FP3_STATUS_RAISED_HI                5
+#define FP3_STATUS_RAISED_LO                5
 #define FP3_RECORD_LOG2_HI                  2
 #define FP3_RECORD_LOG2_LO                  0
 #define FP3_ARRAY_TILES_HI                  7
@@ -174,6 +176,8 @@
 #define FP3_TRANSFER_CONTROL_LAST_LO        5
 #define FP3_TRANSFER_CONTROL_AGAIN_HI       6
 #define FP3_TRANSFER_CONTROL_AGAIN_LO       6
+#define FP3_TRANSFER_CONTROL_OTHERWISE_HI   7
+#define FP3_TRANSFER_CONTROL_OTHERWISE_LO   7
 #define FP3_TRANSFER_CONTROL_RUN_HI         13
 #define FP3_TRANSFER_CONTROL_RUN_LO         8
 #define FP3_TRANSFER_CONTROL_SKIP_HI        21

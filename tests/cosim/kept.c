@@ -1,13 +1,14 @@
 /* kept.c - lists that the hardware makes: `keep`, `raise` and `hold` on the simulated hardware of
- * configuration `world_keep`, against a model of the store.
+ * a configuration that has them, against a model of the store.
  *
- *     kept [SEED [PROGRAMS]]
+ *     kept [SEED [PROGRAMS [CONFIG]]]     CONFIG: world_keep if none is said
  *
  * Programs by chance: phases that make lists from a list of others, which all objects share or have
  * a part of; checks that raise a flag, or not; phases that go through the lists; phases made
  * several times. Lists end with the last word of the store, have just enough room, one entry too
- * few, or much. Every word of the store, the flags, the half with the published words, the outcome
- * and the cycles must be the model's.
+ * few, or much. Every word of the store, the flags, the half with the published words, the outcome,
+ * whether an object has raised, and the cycles must be the model's. With a port to memory each run
+ * is started by a list of transfers, which then goes on by what `status` is.
  */
 #include "chance.h"
 
@@ -47,6 +48,7 @@ typedef struct {
     const fp3_rtl_ops *ops;
     const fp3_config *config;
     fp3_rtl *rtl;
+    uint32_t *memory; /* NULL: the configuration has no port to one */
     chance c;
     unsigned failed;
     uint32_t objects, steps;
@@ -61,6 +63,7 @@ typedef struct {
     char raised[EVENTS_MAX];
     uint32_t raised_count, raised_seen;
     unsigned made, overfull, left_out; /* phases that made lists; ended the run; were left out */
+    unsigned told;                     /* runs that say that an object has raised */
 } bench;
 
 static void fail(bench *b, const char *what, uint32_t where, uint32_t got, uint32_t expected) {
@@ -175,6 +178,7 @@ static uint32_t make_phase(bench *b, uint32_t begin, fp3_repetition *repetition,
         *is_over |= v.is_overfull;
     }
     note_longest(b, (const uint32_t(*)[8])lengths, loops);
+    b->status |= (uint32_t)is_raised << FP3_STATUS_RAISED_LO;
     if (end == b->count || b->code[end].in.op != FP3_OP_HOLD) {
         b->flags |= flags;
         b->half = !b->half;
@@ -188,15 +192,16 @@ static uint32_t make_phase(bench *b, uint32_t begin, fp3_repetition *repetition,
 static void run_model(bench *b) {
     const uint64_t callers = fp3_fpu_begin(b->config->nearest);
     int is_over = 0;
-    b->flags = 0;
+    b->flags = b->status = 0;
     b->longest_count = b->longest_seen = b->raised_count = b->raised_seen = 0;
     for (uint32_t step = 0; step < b->steps && !is_over; step++) {
         fp3_repetition repetition = {0, 0};
         for (uint32_t pc = 0; pc < b->count && !is_over;)
             pc = make_phase(b, pc, &repetition, &is_over);
     }
-    b->status = 1u << (is_over ? FP3_STATUS_NO_ROOM_LO : FP3_STATUS_DONE_LO);
+    b->status |= 1u << (is_over ? FP3_STATUS_NO_ROOM_LO : FP3_STATUS_DONE_LO);
     b->overfull += is_over != 0;
+    b->told += b->status >> FP3_STATUS_RAISED_LO & 1;
     fp3_fpu_set(callers);
 }
 
@@ -257,13 +262,55 @@ static int is_used(const bench *b, uint32_t word) {
            word >= 2 * half - n * n;
 }
 
+/* A list of transfers starts the run, and keeps its status where it goes on by it: nobody has
+ * raised; somebody has; the run had another end. */
+enum { STARTS, ASKS, ENDS, RAISED, TELLS, BACK, FULL, FULL_BACK, LIST, KEPT = 256 };
+
+static void start_by_list(bench *b) {
+    const uint32_t done = 1u << FP3_STATUS_DONE_LO, raised = done | 1u << FP3_STATUS_RAISED_LO;
+    const uint32_t load = 1u << FP3_TRANSFER_CONTROL_LOAD_LO;
+    const uint32_t store = 1u << FP3_TRANSFER_CONTROL_STORE_LO;
+    const uint32_t asks =
+        1u << FP3_TRANSFER_CONTROL_WAIT_LO | 1u << FP3_TRANSFER_CONTROL_OTHERWISE_LO;
+    /* What stands for a descriptor's number or a word's is an address below. */
+    const uint32_t list[LIST][4] = {
+        [STARTS] = {KEPT, FP3_ADDR_CONTROL, 1, load},
+        [ASKS] = {4 * RAISED, FP3_ADDR_STATUS, done, asks},
+        [ENDS] = {KEPT + 1, FP3_ADDR_STATUS, 1, store | 1u << FP3_TRANSFER_CONTROL_LAST_LO},
+        [RAISED] = {4 * FULL, FP3_ADDR_STATUS, raised, asks},
+        [TELLS] = {KEPT + 2, FP3_ADDR_STATUS, 1, store},
+        [BACK] = {4 * ENDS, FP3_ADDR_STATUS, 0, asks},
+        [FULL] = {KEPT + 3, FP3_ADDR_STATUS, 1, store},
+        [FULL_BACK] = {4 * ENDS, FP3_ADDR_STATUS, 0, asks}};
+    for (uint32_t i = 0; i < 4 * LIST; i++)
+        b->memory[i] = list[i / 4][i % 4] << (i % 4 ? 0 : 2);
+    b->memory[KEPT] = 1u << FP3_CONTROL_START_LO;
+    memset(b->memory + KEPT + 1, 0, 3 * sizeof *b->memory);
+    put(FP3_ADDR_TRANSFER_MEMORY, 0);
+    put(FP3_ADDR_TRANSFER_CONTROL, 1u << FP3_TRANSFER_CONTROL_LIST_LO);
+}
+
+/* After the model's run, which says how the list has gone on. */
+static void compare_list(bench *b) {
+    const uint32_t done = 1u << FP3_STATUS_DONE_LO, raised = done | 1u << FP3_STATUS_RAISED_LO;
+    const int is_raised = b->status == raised, is_other = !is_raised && b->status != done;
+    const uint32_t kept[] = {b->status, is_raised ? b->status : 0, is_other ? b->status : 0};
+    const uint32_t ended = get(b, FP3_ADDR_TRANSFER_STATUS);
+    if (ended != 1u << FP3_TRANSFER_STATUS_DONE_LO)
+        fail(b, "the list's end", b->objects, ended, 1u << FP3_TRANSFER_STATUS_DONE_LO);
+    for (uint32_t i = 0; i < 3; i++)
+        if (b->memory[KEPT + 1 + i] != kept[i])
+            fail(b, "what the list has kept", i, b->memory[KEPT + 1 + i], kept[i]);
+    if (get(b, FP3_ADDR_TRANSFER_NEXT) != 16 * (ENDS + 1))
+        fail(b, "transfer_next", b->objects, get(b, FP3_ADDR_TRANSFER_NEXT), 16 * (ENDS + 1));
+}
+
 static void run_hardware(bench *b) {
-    const uint32_t settings[][2] = {
-        {FP3_ADDR_RECORD, LOG2},    {FP3_ADDR_WINDOW_AWAKE, b->objects},
-        {FP3_ADDR_STEP, 0},         {FP3_ADDR_LAST, b->count},
-        {FP3_ADDR_SIZE, b->count},  {FP3_ADDR_PUBLISHED, PUBLISHED},
-        {FP3_ADDR_HALF, b->half},   {FP3_ADDR_VISIT, 1},
-        {FP3_ADDR_STEPS, b->steps}, {FP3_ADDR_CONTROL, 1u << FP3_CONTROL_START_LO}};
+    const uint32_t settings[][2] = {{FP3_ADDR_RECORD, LOG2},   {FP3_ADDR_WINDOW_AWAKE, b->objects},
+                                    {FP3_ADDR_STEP, 0},        {FP3_ADDR_LAST, b->count},
+                                    {FP3_ADDR_SIZE, b->count}, {FP3_ADDR_PUBLISHED, PUBLISHED},
+                                    {FP3_ADDR_HALF, b->half},  {FP3_ADDR_VISIT, 1},
+                                    {FP3_ADDR_STEPS, b->steps}};
     queued = 0;
     for (uint32_t i = 0; i < b->count; i++)
         put(FP3_ADDR_WINDOW_PROGRAM + 4 * i, fp3_word_encode(&b->code[i].in));
@@ -274,8 +321,14 @@ static void run_hardware(bench *b) {
             put(in_store(b, i), b->store[i]);
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
         put(settings[i][0], settings[i][1]);
+    if (b->memory)
+        start_by_list(b);
+    else
+        put(FP3_ADDR_CONTROL, 1u << FP3_CONTROL_START_LO);
     transfer(b);
-    b->ops->clock(b->rtl, 10000000, 200);
+    do
+        b->ops->clock(b->rtl, 10000000, 200);
+    while (b->memory && get(b, FP3_ADDR_TRANSFER_STATUS) & 1u << FP3_TRANSFER_STATUS_RUNNING_LO);
 }
 
 /* Now and then of the whole store. */
@@ -298,7 +351,7 @@ static void compare(bench *b, int is_all) {
         fail(b, "flags", b->objects, flags, b->flags);
     if (half != b->half)
         fail(b, "half", b->objects, half, b->half);
-    const int is_over = b->status == 1u << FP3_STATUS_NO_ROOM_LO;
+    const int is_over = b->status >> FP3_STATUS_NO_ROOM_LO & 1;
     const uint32_t foreseen = is_over ? cycles : (uint32_t)cycles_of(b);
     if (cycles != foreseen)
         fail(b, "cycles", b->objects, cycles, foreseen);
@@ -408,6 +461,8 @@ static void step(bench *b) {
     put_word(b, FP3_OP_ST, PLACE, 0, 0, 0);
     put_word(b, FP3_OP_ST, SPEED, 0, 0, 0);
     put_word(b, FP3_OP_ST, OWN, 0, 0, 0);
+    if (below(c, 4) == 0) /* also behind the last `hold` */
+        put_word(b, FP3_OP_RAISE, TEMP, 0, 0, 0);
 }
 
 static void write_program(bench *b) {
@@ -495,7 +550,7 @@ int main(int argc, char **argv) {
     const uint32_t programs = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 0) : 60;
     fp3_hardware hardware;
     fp3_error error;
-    b.config = fp3_config_find("world_keep");
+    b.config = fp3_config_find(argc > 3 ? argv[3] : "world_keep");
     b.c.state = argc > 1 ? strtoull(argv[1], NULL, 0) : 1;
     if (fp3_hardware_load(b.config->name, &hardware, &error)) {
         printf("FAIL: %s\n", error.text);
@@ -503,6 +558,8 @@ int main(int argc, char **argv) {
     }
     b.ops = hardware.ops;
     b.rtl = b.ops->open(&(fp3_rtl_watch){0}, 0);
+    if (b.rtl && b.config->master)
+        b.memory = b.ops->memory(b.rtl, &(fp3_rtl_memory){KEPT + 4, 1000, 20});
     for (uint32_t i = 0; b.rtl && i < programs && b.failed < 10; i++) {
         b.objects = counts[below(&b.c, 8)];
         b.steps = 1 + below(&b.c, STEPS);
@@ -512,11 +569,14 @@ int main(int argc, char **argv) {
         run_hardware(&b);
         run_model(&b);
         compare(&b, i % 16 == 15);
+        if (b.memory)
+            compare_list(&b);
     }
     if (b.rtl)
         b.ops->close(b.rtl);
     fp3_hardware_unload(&hardware);
-    printf("%" PRIu32 " programs, %u lists made, %u without room, %u left out, %u failed\n",
-           programs, b.made, b.overfull, b.left_out, b.failed + !b.rtl);
+    printf("%" PRIu32
+           " programs, %u lists made, %u without room, %u left out, %u raised, %u failed\n",
+           programs, b.made, b.overfull, b.left_out, b.told, b.failed + !b.rtl);
     return b.failed || !b.rtl;
 }

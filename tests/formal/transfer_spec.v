@@ -65,6 +65,7 @@ module transfer_spec #(
     reg  [C-1:0] burst_q, closed_q, response_q;            // bursts: asked for, with their last word sent, with a response
     reg  [9:0]   due_q;                                    // words of bursts that memory has taken
     reg          came_q;                                   // the word that a wait is for
+    reg          may_q, other_q;                           // ... may be another one than was said, and is: the list goes on at memory_q
     // A descriptor
     reg  [21:0]  said_q;
     reg          wrong_q;
@@ -86,7 +87,7 @@ module transfer_spec #(
     endfunction
     wire [3:0] commands = {ask_wdata_i[4:3], ask_wdata_i[1:0]};
     wire [31:C] beyond  = ask_wdata_i[31:C];
-    wire legal  = ask_write_i ? !busy_q && (ask_register_i == CONTROL ? one_of({1'b0, commands}) && !ask_wdata_i[6]
+    wire legal  = ask_write_i ? !busy_q && (ask_register_i == CONTROL ? one_of({1'b0, commands}) && !ask_wdata_i[6] && !ask_wdata_i[7]
                                 : ask_register_i == WORDS ? beyond == 0 : ask_register_i <= PLACE && ask_wdata_i[1:0] == 2'd0)
                               : ask_register_i != CONTROL && ask_register_i <= NEXT;
     wire start  = ask_i && ask_write_i && legal && ask_register_i == CONTROL;
@@ -95,7 +96,8 @@ module transfer_spec #(
     // The part is over: another descriptor, what a descriptor says, or all
     wire over   = busy_q && over_said;
     wire wrong  = over && fetch_q && (wrong_q || strays) && !failed;
-    wire next   = over && !failed && !fetch_q && more_q;
+    wire more   = more_q || other_q;
+    wire next   = over && !failed && !fetch_q && more;
     wire does   = over && !failed && fetch_q && !wrong_q && !strays;
     wire repeats = does && said_q[6];
     wire [C-1:0] again_left = again_q ? again_left_q : words_q;
@@ -103,7 +105,7 @@ module transfer_spec #(
     wire begins = start || next || does;
     wire fetches = (start && lists) || next;
     wire [21:0] said  = does ? said_q : ask_wdata_i[21:0];
-    wire [31:2] first = next ? next_q : memory_q;
+    wire [31:2] first = next && !other_q ? next_q : memory_q;
     wire [C-1:0] count = fetches ? 4 : said[3] || repeats ? {C{1'b0}} : words_q;
 
     // Where burst n of the part begins
@@ -112,7 +114,8 @@ module transfer_spec #(
     endfunction
     wire bad    = busy_q && ((r && rerror_i) || (b && berror_i));
     wire ends   = answered_i && wait_q && !answer_rdata_i[0];
-    wire denied = busy_q && answered_i && (answer_error_i || (ends && answer_rdata_i != {{32-C{1'b0}}, words_q}));
+    wire other  = ends && answer_rdata_i != {{32-C{1'b0}}, words_q};
+    wire denied = busy_q && answered_i && (answer_error_i || (other && !may_q));
 
     reg started_q = 1'b0, reset_q, failed_2_q;
     reg burst_held_q, w_held_q, store_held_q;
@@ -144,7 +147,7 @@ module transfer_spec #(
             if (start) {busy_q, done_q, memory_error_q, refused_q} <= 4'b1000;
             else if (busy_q) begin
                 busy_q <= !over || begins;
-                done_q <= over && !failed && !fetch_q && !more_q;
+                done_q <= over && !failed && !fetch_q && !more;
                 if (!failed) {memory_error_q, refused_q} <= {bad, (denied || wrong) && !bad};
             end
             if (begins) begin
@@ -157,6 +160,7 @@ module transfer_spec #(
                 {base_q, from_q, size_q, left_q, answer_place_q} <= {first, first, count, count, place_q};
                 {bursts_of_q, moved_q, asked_q, answered_q, burst_q, closed_q, response_q} <= {7*C{1'b0}};
                 {there_q, inside_q, came_q, wrong_q, bad_q} <= 5'd0;
+                {may_q, other_q} <= {does && said_q[7], 1'b0};
                 if (fetches) {next_q, next_set_q} <= {first + 30'd4, 1'b1};
             end else begin
                 if (burst) begin
@@ -173,6 +177,7 @@ module transfer_spec #(
                     due_left_q <= due_left_q == 6'd1 ? run_q : due_left_q - 6'd1;
                     if (!stay_q) answer_place_q <= answer_place_q + 30'd1 + (due_left_q == 6'd1 ? skip_q : 6'd0);
                     came_q <= came_q || ends;
+                    other_q <= other_q || (other && may_q);
                 end
                 if (load && r && moved_q == k)                    {there_q, kept_q, bad_q} <= {1'b1, rdata_i, rerror_i};
                 if (store_q && answered_i && answered_q == k)     {there_q, kept_q, bad_q} <= {1'b1, answer_rdata_i, answer_error_i};
@@ -180,7 +185,7 @@ module transfer_spec #(
                     said_q <= rdata_i[21:0];
                     case (moved_q[1:0])
                         2'd2:    wrong_q <= wrong_q || rdata_i[31:C] != 0;
-                        2'd3:    wrong_q <= wrong_q || !one_of({rdata_i[6], rdata_i[4:3], rdata_i[1:0]}) || rdata_i[4];
+                        2'd3:    wrong_q <= wrong_q || !one_of({rdata_i[6], rdata_i[4:3], rdata_i[1:0]}) || rdata_i[4] || (rdata_i[7] && !rdata_i[3]);
                         default: wrong_q <= wrong_q || rdata_i[1:0] != 0;
                     endcase
                 end
@@ -282,6 +287,7 @@ module transfer_spec #(
     localparam N = 1 << READS_W;
     (* hierconn *) wire \u_transfer.busy_q , \u_transfer.fetch_q , \u_transfer.store_q , \u_transfer.wait_q , \u_transfer.stay_q , \u_transfer.more_q ;
     (* hierconn *) wire \u_transfer.done_q , \u_transfer.memory_error_q , \u_transfer.refused_q , \u_transfer.wrong_q , \u_transfer.waited_q ;
+    (* hierconn *) wire \u_transfer.otherwise_q , \u_transfer.elsewhere_q ;
     (* hierconn *) wire \u_transfer.full_q , \u_transfer.sends_q , \u_transfer.strobe_q , \u_transfer.last_q ;
     (* hierconn *) wire [1:0]   \u_transfer.word_number_q ;
     (* hierconn *) wire [5:0]   \u_transfer.bursts_q , \u_transfer.run_q , \u_transfer.skip_q , \u_transfer.run_left_q , \u_transfer.due_left_q ;
@@ -308,7 +314,7 @@ module transfer_spec #(
     wire [7:0]         low_k   = base_q[9:2] + k[7:0];
     // Cycles that are left until something happens, this one included
     wire         bare = \u_transfer.u_bursts.left_q != 0 || full;
-    wire [2:0]   rest = !over_said ? (failed && bare ? 3'd2 : fetch_q && moved_q == 4 ? 3'd4 : 3'd1) : failed || (fetch_q && wrong_q) ? 3'd1 : fetch_q ? 3'd3 : more_q ? 3'd2 : 3'd1;
+    wire [2:0]   rest = !over_said ? (failed && bare ? 3'd2 : fetch_q && moved_q == 4 ? 3'd4 : 3'd1) : failed || (fetch_q && wrong_q) ? 3'd1 : fetch_q ? 3'd3 : more ? 3'd2 : 3'd1;
     generate
         if (LEMMAS != 0) begin : g_lemmas
             always @* if (started_q) begin
@@ -335,6 +341,8 @@ module transfer_spec #(
                     assert (\u_transfer.store_q == store_q && \u_transfer.wait_q == wait_q && (fetch_q || \u_transfer.stay_q == stay_q));
                     assert (!(fetch_q && (store_q || wait_q)) && !(store_q && wait_q) && (!more_q || next_set_q));
                     assert (\u_transfer.waited_q == came_q || !wait_q);
+                    assert (\u_transfer.otherwise_q == may_q || !wait_q);
+                    assert (\u_transfer.elsewhere_q == other_q && (!other_q || (wait_q && came_q && may_q)));
                     // Bursts
                     if (\u_transfer.u_bursts.left_q != 0) assert (\u_transfer.u_bursts.left_q == left_q && \u_transfer.u_bursts.address_q == from_q);
                     assert (\u_transfer.u_bursts.left_q == left_q || failed);
@@ -347,7 +355,7 @@ module transfer_spec #(
                     if (fetch_q) assert (size_q == 4 && \u_transfer.word_number_q == moved_q[1:0] && !full && asked_q == 0 && answered_q == 0 && open_q == 0);
                     if (fetch_q && moved_q != 0) assert (\u_transfer.wrong_q == wrong_q && \u_transfer.said_q == said_q);
                     if (fetch_q && moved_q == 0) assert (!\u_transfer.wrong_q && !wrong_q);
-                    if (fetch_q && moved_q == 4 && !wrong_q) assert (one_of({said_q[6], said_q[4:3], said_q[1:0]}) && !said_q[4]);
+                    if (fetch_q && moved_q == 4 && !wrong_q) assert (one_of({said_q[6], said_q[4:3], said_q[1:0]}) && !said_q[4] && (said_q[3] || !said_q[7]));
                     if (fetch_q && moved_q > 1) assert (place_set_q);
                     if (fetch_q && moved_q > 2) assert (words_set_q);
                     if (wait_q) assert (size_q == 0 && open_q <= 1 && !full && stay_q);

@@ -16,7 +16,7 @@ from cocotbext.axi import AxiBus, AxiRam
 
 REGISTERS = tomllib.loads(pathlib.Path(os.environ["FP3_MAP"]).read_text(encoding="utf-8"))["transfer"]
 AT = {row["name"].removeprefix("transfer_"): row["at"] for row in REGISTERS}
-LOAD, STORE, STAY, WAIT, LIST, LAST, AGAIN = 1, 2, 4, 8, 16, 32, 64
+LOAD, STORE, STAY, WAIT, LIST, LAST, AGAIN, OTHERWISE = 1, 2, 4, 8, 16, 32, 64, 128
 RUN, SKIP = 8, 16                                          # their lowest bits
 RUNNING, DONE, MEMORY_ERROR, REFUSED = 1, 2, 4, 8
 STREAM, ALONE = 0x20000, 0x2000                            # places; with and without the bit of parameter STREAM
@@ -447,3 +447,69 @@ async def a_part_of_a_list_is_made_again(dut):
         assert await made([one(0), wrong], REFUSED) == [0] and await bench.get("next") == at + 32
     for control in (AGAIN, AGAIN | LIST):
         assert (await bench.access(AT["control"], control))[0]
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def a_list_goes_on_elsewhere(dut):
+    """By what a place says when bit 0 of its word is 0: forwards, backwards, out of a part that is made again and back into it."""
+    bench = Bench(dut, 10)
+    await bench.start()
+    at, place = 0x8004, STREAM + 0x8000
+    says, take = [], bench.hub.take                        # the words of the place, one after the other; the last one stays
+
+    def told(write, address, data):
+        if not write and address == place:
+            bench.hub.words[place] = says.pop(0) if len(says) > 1 else says[0]
+        take(write, address, data)
+
+    bench.hub.take = told
+
+    def one(i, control=LOAD):
+        return (0x400, STREAM + 4 * i, 1, control)
+
+    def goes(to, word=2, control=WAIT | OTHERWISE, where=place):
+        return (at + 16 * to, where, word, control)
+
+    async def made(rows, words, outcome=DONE, ends=None):
+        """Which ones were moved, and where the list was then: behind its last descriptor, if nothing else is said."""
+        bench.put(at, rows)
+        says[:] = words
+        assert await bench.move(at, 0, 0, LIST) == outcome
+        assert await bench.get("next") == at + 16 * (len(rows) if ends is None else ends)
+        assert outcome != DONE or await bench.get("error") == 0
+        return [(address - STREAM) // 4 for write, address in bench.hub.asked if write]
+
+    # Forwards: what is between is left out, or not; what does not fit into a number of words is another word; a word whose bit 0 is 1 says nothing.
+    for words, moved in (([2], [0, 1, 2]), ([34], [0, 2]), ([1, 3, 35, 2], [0, 1, 2]), ([35, 34], [0, 2]), ([0], [0, 2]), ([2 + (1 << 24)], [0, 2])):
+        assert await made([one(0), goes(3), one(1), one(2, LOAD | LAST)], words) == moved, words
+    # Behind the end, and back by one that always goes: at once, or with `last`, which is for the word that is said.
+    assert await made([one(0), goes(3), one(1, LOAD | LAST), one(2), goes(2, 0)], [34], ends=3) == [0, 2, 1]
+    assert await made([one(0), goes(3), one(1, LOAD | LAST), one(2), goes(2, 0)], [2], ends=3) == [0, 1]
+    assert await made([one(0), one(1), goes(1, 2, WAIT | OTHERWISE | LAST)], [34, 4, 2]) == [0, 1, 1, 1]
+    # To itself: it asks again.
+    assert await made([one(0), goes(1), one(1, LOAD | LAST)], [34, 34, 32, 2]) == [0, 1]
+    # Out of a part that is made again, and back into it, as often as it is made.
+    part = [one(0), goes(5), one(1), (at, 0, 2, AGAIN), one(3, LOAD | LAST), one(2), goes(2, 0)]
+    for words, moved in (([2], [0, 1] * 3 + [3]), ([34], [0, 2, 1] * 3 + [3]), ([2, 34, 34, 2], [0, 1, 0, 2, 1, 0, 1, 3]), ([34, 34, 2, 2], [0, 2, 1, 0, 1, 0, 1, 3])):
+        assert await made(part, words, ends=5) == moved, words
+    # Out of it for good: the part is under way until the list ends, so there is no other one, and none is left for the next list.
+    assert await made([one(0), goes(3), (at, 0, 2, AGAIN), one(1), goes(6), one(2), one(3, LOAD | LAST)], [2, 34]) == [0, 0, 1, 3]
+    assert await made([one(0), goes(3), (at, 0, 2, AGAIN), one(1), (at + 48, 0, 1, AGAIN | LAST)], [2, 34], REFUSED) == [0, 0, 1]
+    assert await made([one(0), (at, 0, 1, AGAIN | LAST)], [2]) == [0, 0]
+    # A plain `wait` behind it ends the list as before; so does an error of the place, and of memory where the list was to go on.
+    assert await made([one(0), goes(3), one(1), goes(0, 2, WAIT), one(2, LOAD | LAST)], [34], REFUSED, 4) == [0] and await bench.get("error") == place
+    bench.hub.refused = {place}
+    assert await made([one(0), goes(3), one(1), one(2, LOAD | LAST)], [34], REFUSED, 2) == [0] and await bench.get("error") == place
+    bench.hub.refused = set()
+    bench.broken = {at + 48 + 8}
+    assert await made([one(0), goes(3), one(1), one(2, LOAD | LAST)], [34], MEMORY_ERROR, 4) == [0] and await bench.get("error") == at + 56
+    bench.broken = set()
+    # Alone, or with another command, it is not possible; nor where there is no address of a descriptor; the host has no list to go on with.
+    for control in (OTHERWISE, LOAD | OTHERWISE, STORE | OTHERWISE, AGAIN | OTHERWISE, WAIT | LOAD | OTHERWISE):
+        assert await made([one(0), goes(2, 0, control), one(1, LOAD | LAST)], [34], REFUSED, 2) == [0], control
+    assert await made([one(0), (at + 33, place, 2, WAIT | OTHERWISE), one(1, LOAD | LAST)], [34], REFUSED, 2) == [0]
+    for control in (OTHERWISE, WAIT | OTHERWISE, LIST | OTHERWISE, LOAD | OTHERWISE):
+        assert (await bench.access(AT["control"], control))[0], control
+    # A command of the host's after a list whose last wait went elsewhere is an ordinary one.
+    assert await made([one(0), goes(3), one(1), one(2, LOAD | LAST)], [34]) == [0, 2]
+    assert await bench.move(at, place, 2, WAIT) == REFUSED and await bench.get("error") == place

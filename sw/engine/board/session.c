@@ -132,6 +132,7 @@ static fp3_status ask_scheduler(fp3_engine *engine, uint32_t scheduler, uint32_t
     uint64_t *counter = engine->counters[scheduler];
     fp3_status status =
         fp3_driver_get(engine, fp3_driver_of(engine, scheduler, FP3_ADDR_STATUS), outcome);
+    *outcome &= ~BIT(STATUS_RAISED); /* no outcome: objects of lists that are made raise */
     if (!status)
         status = fp3_driver_get(engine, fp3_driver_of(engine, scheduler, FP3_ADDR_FAULT), fault);
     if (!status && engine->config->counters) {
