@@ -47,7 +47,7 @@ module fp3_tile_scheduler #(
 `include "host/lane_host.vh"
 
     // The host -------------------------------------------------------------------------------
-    wire                 start, stop, running, illegal, half, overfull, no_room, program_write, access, host_write;
+    wire                 start, stop, running, illegal, half, overfull, no_room, raised, program_write, access, host_write;
     wire [31:0]          host_wdata, word;
     wire [`FP3_SETTINGS_W-1:0] settings;
     wire [`FP3_EVENTS_W-1:0]   events;
@@ -62,7 +62,7 @@ module fp3_tile_scheduler #(
         .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .settings_o(settings),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .overfull_i(overfull),
-        .no_room_i(no_room), .raised_i(report_raised), .flags_i(flags), .events_i(events),
+        .no_room_i(no_room), .raised_i(raised), .flags_i(flags), .events_i(events),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
@@ -187,7 +187,7 @@ module fp3_tile_scheduler #(
         end
     endgenerate
     assign overfull                = SLEEP != 0 && report_count[ROW_W] && report_count[0];       // the only count beyond
-    assign no_room                 = report_no_room;
+    assign {no_room, raised}       = {report_no_room, report_raised};
     assign lanes_answer            = report_answer;
 
     wire [`FP3_WRITTEN_W*STREAMS*LANES-1:0] written;
