@@ -165,6 +165,15 @@ def setting(text):
     return key, int(value, 0) if value[0].isdigit() else value
 
 
+def check_settings(parser, given, why):
+    """Refuses a key that is there twice, or that is not to be changed, and says why."""
+    for n, (key, _) in enumerate(given):
+        if key in dict(given[:n]):
+            parser.error(f"--set has '{key}' twice")
+        if key in FIXED:
+            parser.error(f"--set does not change '{key}': {why}")
+
+
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--config", choices=PROGRAMS, default="lanes", help="whose lanes (default: %(default)s)")
@@ -183,11 +192,7 @@ def arguments():
     args = parser.parse_args()
     args.program = args.program or PROGRAMS[args.config]
     most = floorplan.LANES_OF_5 if args.config == "dual" else floorplan.LANES
-    for n, (key, _) in enumerate(args.set):
-        if key in dict(args.set[:n]):
-            parser.error(f"--set has '{key}' twice")
-        if key in FIXED:
-            parser.error(f"--set does not change '{key}': --config and --lanes say what the chip is full of")
+    check_settings(parser, args.set, "--config and --lanes say what the chip is full of")
     if not 1 <= args.lanes <= most:
         parser.error(f"an {DEVICE} has multipliers and block RAMs for 1 to {most} lanes of {args.config}")
     return args

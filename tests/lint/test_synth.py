@@ -314,6 +314,42 @@ def test_a_chip_has_the_keys_that_it_is_given(tree):
     assert all(re.search(rf"\b{key} *\({value}\)", made) for key, value in (("EXCEPTIONS", 0), ("ARITHMETIC", 3), ("LANES", 2)))
 
 
+def fit(tree, *arguments):
+    return subprocess.run([sys.executable, tree / "tools/fit.py", "--tools", tree / "bin", *arguments], cwd=tree, capture_output=True, text=True)
+
+
+def test_most_lanes_of_a_device(tree):
+    """By what it has the least of. What is pretended are the cells of four lanes, the same whatever the keys: block RAMs none."""
+    done = fit(tree, "--config", "fabric", "--set", "registers=32")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == ("a lane of fabric: 155 LUT4, 156 cells, 26 flip-flops, 1 multipliers, 0 block RAMs; "
+                           "at most 156 on an LFE5U-85F, by its multipliers\n")
+    config = re.search(r"CONFIG = \d+'h(\w+),", (tree / "build/synth/fit-fabric8_registers_32.v").read_text())[1]
+    assert int(config, 16) >> 96 & 0xffffffff == 32
+    small = fit(tree, "--config", "fabric", "--device", "LFE5U-25F")
+    assert small.stdout.endswith("at most 28 on an LFE5U-25F, by its multipliers\n")
+
+
+@pytest.mark.parametrize("given, code, words", [
+    ("registers=31", 1, "registers = 31 is not a power of two"),
+    ("lanes=3", 2, "--set does not change 'lanes': --config says whose lanes they are"),
+    ("round=0 round=1", 2, "--set has 'round' twice")])
+def test_lanes_that_cannot_be(tree, given, code, words):
+    done = fit(tree, "--config", "fabric", *(word for key in given.split() for word in ("--set", key)))
+    assert done.returncode == code and words in done.stderr and "Traceback" not in done.stderr, done.stderr
+
+
+@pytest.mark.long
+def test_the_page_has_what_lanes_take(root):
+    table = re.search(r"<!-- fit -->\n(.*?)<!-- fit end -->", (root / "docs/neighbours.md").read_text(), re.DOTALL)[1]
+    rows = [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
+    assert len(rows) == 5
+    for what, *figures in rows:
+        done = subprocess.run([sys.executable, "tools/fit.py", *what.split()], cwd=root, capture_output=True, text=True)
+        lut4, cells, *_, ebr, lanes = re.findall(r"(\d+) (?:LUT4|cells|block|on)", done.stdout)
+        assert [figure.replace(",", "") for figure in figures] == [lut4, cells, ebr, lanes], done.stdout + done.stderr
+
+
 def test_one_netlist_serves_all_devices_of_a_family_and_is_not_made_again(tree):
     wanted = ["--sizes", "--config", "single", "--device", "LFE5U-25F", "--device", "LFE5U-85F", "--grades", "6"]
     synth(tree, *wanted, "--seeds", "1")
