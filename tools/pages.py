@@ -70,7 +70,7 @@ def results(found):
     for name, part in (("sim.json", not sim or sim["runs"] and sim["scenes"]), ("synth.json", placed["trims"] and placed["rows"])):
         if not part:
             raise Wrong(f"{name} is not whole: run `make all sim synth` without CONFIG, PROGRAM and TOP")
-    if not (sim or proved):
+    if not (sim or proved or rows):
         raise Wrong(f"{found.folder} has nothing of it: run `make all sim models prove` first")
     texts = {"results.md": report.page(sim, rows and rows["rows"], proved, placed)}
     return texts | ({"../README.md": report.readme(found.page("../README.md"), sim, placed)} if sim else {})
