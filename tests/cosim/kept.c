@@ -8,7 +8,8 @@
  * several times. Lists end with the last word of the store, have just enough room, one entry too
  * few, or much. Every word of the store, the flags, the half with the published words, the outcome,
  * whether an object has raised, and the cycles must be the model's. With a port to memory each run
- * is started by a list of transfers, which then goes on by what `status` is.
+ * is started by a list of transfers, which then goes on by what `status` is; all channels of both
+ * buses wait by chance.
  */
 #include "chance.h"
 
@@ -557,7 +558,7 @@ int main(int argc, char **argv) {
         return 1;
     }
     b.ops = hardware.ops;
-    b.rtl = b.ops->open(&(fp3_rtl_watch){0}, 0);
+    b.rtl = b.ops->open(&(fp3_rtl_watch){0}, b.config->master ? b.c.state : 0);
     if (b.rtl && b.config->master)
         b.memory = b.ops->memory(b.rtl, &(fp3_rtl_memory){KEPT + 4, 1000, 20});
     for (uint32_t i = 0; b.rtl && i < programs && b.failed < 10; i++) {
