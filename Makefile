@@ -596,7 +596,7 @@ $(BUILD)/bench/bodies_%.so: bench/bodies/%.c
 # ---- the processor on its own ---------------------------------------------------------------------
 
 .PHONY: alone
-alone: all ## The processor with a memory of its own, simulated: cycles of loads, and of objects beyond the store, three hours: build/results/alone.json; QUICK=1, PARTS="loads chunks linked": these alone
+alone: all ## The processor with a memory of its own, simulated: cycles of loads, and of objects beyond the store, four hours: build/results/alone.json; QUICK=1, PARTS="loads chunks linked near": these alone
 	@$(PYTHON) tools/alone.py --output $(RESULTS)/alone.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
 
 # ---- objects divided among processes ------------------------------------------------------------
@@ -716,9 +716,10 @@ ipxact: | need-ipxact ## IP-XACT components of the configurations: build/ipxact/
 # ---- a system around it -------------------------------------------------------------------------
 
 .PHONY: soc
-soc: $(BUILD)/bin/fp3 $(if $(filter memory,$(SOC)),$(BUILD)/bench/alone) | need-soc ## Simulate a SoC of LiteX, VexRiscv and FP3, and compare its results; CONFIG=single, SHIPS=1, BUS=wishbone; or SOC=scenes; or SOC=memory, SDRAM=MT48LC16M16|M12L64322A|MT41K128M16, STEPS=10
+soc: $(BUILD)/bin/fp3 $(if $(filter memory,$(SOC)),$(BUILD)/bench/alone) | need-soc ## Simulate a SoC of LiteX, VexRiscv and FP3, and compare its results; CONFIG=single, SHIPS=1, BUS=wishbone; or SOC=scenes; or SOC=memory, SDRAM=MT48LC16M16|M12L64322A|MT41K128M16, STEPS=10, SCENE=, ROAM=
 	@.venv/bin/python examples/litex/soc.py --fp3 $< --alone $(BUILD)/bench/alone --output $(BUILD)/soc $(if $(SOC),--program $(SOC)) $(if $(CONFIG),--config $(CONFIG)) \
-	    $(if $(SHIPS),--ships $(SHIPS)) $(if $(BUS),--bus $(BUS)) $(if $(SDRAM),--sdram $(SDRAM)) $(if $(STEPS),--steps $(STEPS))
+	    $(if $(SHIPS),--ships $(SHIPS)) $(if $(BUS),--bus $(BUS)) $(if $(SDRAM),--sdram $(SDRAM)) $(if $(STEPS),--steps $(STEPS)) \
+	    $(if $(SCENE),--scene $(SCENE)) $(if $(ROAM),--roam $(ROAM))
 
 # ---- a library for others -----------------------------------------------------------------------
 

@@ -25,7 +25,10 @@ GOAL = 1.1                                # cycles a word that memory can give i
 STEPS = {CONFIG: {3000: 16, 400: 32}, LANES: {3000: 96, 400: 256}}
 OBJECTS = {CONFIG: 100_000, LANES: 10_000}
 SLOWER = 1.02                             # goal: cycles of chunks over those of objects in the store
+PARTS = ("loads", "chunks", "linked", "near")
 LINKED = {"programs/gallery/flag.scene": (400, 3000), "bench/alone/cloth.scene": (3000,)}   # scenes of objects with links, and the rates of memory
+# Scenes of near objects: how far these may go in the steps of a row, and after which step it begins.
+NEAR = {"programs/world/heap.scene": ((0.055, 0), (0.01, 8192)), "programs/world/dam.scene": ((0.03, 0),)}
 LINKED_SLOWER = 1.3                       # goal: likewise, with a memory that gives a word in each cycle
 
 
@@ -56,6 +59,11 @@ def linked(build, scenes, steps):
     return [alone(build, "linked", WORLD, ROOT / scene, steps, rate, LATENCY) for scene in scenes for rate in LINKED[scene]]
 
 
+def near(build, scenes, steps):
+    """Rows of scenes whose objects are near each other, likewise; the hardware makes their lists."""
+    return [alone(build, "linked", WORLD, ROOT / scene, steps, max(RATES), LATENCY, *run) for scene in scenes for run in NEAR[scene]]
+
+
 def text(row):
     where = f"{row['scene']:10} {row['config']:12} {row['objects']:6} objects, memory of {row['memory']:g} words a cycle"
     if "cycles_per_word" in row:
@@ -78,13 +86,14 @@ def misses(row):
 
 def main():
     parser = argparse.ArgumentParser(description="the processor with a memory of its own, simulated")
-    parser.add_argument("--quick", action="store_true", help="few objects")
-    parser.add_argument("--parts", nargs="+", choices=("loads", "chunks", "linked"), default=("loads", "chunks", "linked"), help="these alone")
+    parser.add_argument("--quick", action="store_true", help="few objects, and none that are near each other: tests/bare/test_linked.py has those")
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="these alone")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/alone.json", help="where rows go (%(default)s)")
     args = parser.parse_args()
     build = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build"))
     made = {"loads": lambda: loads(build, 2500 if args.quick else 10_000), "chunks": lambda: chunks(build, *((2100, 2) if args.quick else (None, None))),
-            "linked": lambda: linked(build, *((list(LINKED)[:1], 2) if args.quick else (LINKED, 100)))}
+            "linked": lambda: linked(build, *((list(LINKED)[:1], 2) if args.quick else (LINKED, 100))),
+            "near": lambda: near(build, *(((), 2) if args.quick else (NEAR, 100)))}
     rows = [row for part in made if part in args.parts for row in made[part]()]
     for row in rows:
         print(text(row))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* linked.c - objects that see each other by links, more than the store holds: all steps are one
- * list of transfers. Simulated hardware makes it, or the image of memory is for another system. */
+/* linked.c - objects that see each other, more than the store holds: all steps are one list of
+ * transfers. Simulated hardware makes it, or the image of memory is for another system. */
 #include <fp3/scene.h> /* first: FP3_ALL is a relation there, and a macro of the bare driver */
 
 #include "hardware.h"
@@ -17,6 +17,7 @@
 /* Objects of one run: those in these places of an order. */
 typedef struct {
     const fp3_lists *lists;
+    const uint32_t *rows;  /* of each object; NULL: its number */
     const uint32_t *order; /* NULL: their numbers */
     uint32_t first;
 } stood;
@@ -28,7 +29,8 @@ static uint32_t longest(const void *user, uint32_t reg, uint32_t first, uint32_t
     while (list->reg != reg)
         list++;
     for (uint32_t i = s->first + first; i < s->first + first + rows; i++) {
-        const uint32_t length = fp3_list_length(list, s->order ? s->order[i] : i);
+        const uint32_t object = s->order ? s->order[i] : i;
+        const uint32_t length = fp3_list_length(list, s->rows ? s->rows[object] : object);
         most = length > most ? length : most;
     }
     return most;
@@ -42,11 +44,11 @@ static uint64_t cycles_of(const fp3_config *config, const fp3_members *group, co
     return fp3_phased_cycles(config, &program, &run);
 }
 
-static uint64_t in_chunks(const fp3_config *config, const fp3_members *group,
+static uint64_t in_chunks(const fp3_config *config, const fp3_members *group, const uint32_t *rows,
                           const fp3_pieces *cut) {
     uint64_t cycles = 0;
     for (uint32_t i = 0; i < cut->count; i++) {
-        const stood s = {&group->lists, cut->object, cut->pieces[i].own.first};
+        const stood s = {&group->lists, rows, cut->object, cut->pieces[i].own.first};
         cycles += cycles_of(config, group, &s, cut->pieces[i].own.count);
     }
     return cycles;
@@ -96,26 +98,28 @@ typedef struct {
     fp3_scene *scene;
     fp3_engine *fast;
     fp3_chunks *chunks;
-    double objects, in_store; /* cycles of a step of an object, if all were in the store */
+    double objects;
+    /* Cycles of a step of an object, if all were in the store; and in chunks, without transfers. */
+    double in_store, in_chunks;
     uint32_t ghosts;
 } linked;
 
-static void open_linked(linked *l, const char *config, const char *path, uint32_t steps,
-                        uint32_t at) {
+static void open_linked(linked *l, const char *config, const linked_run *run, uint32_t at) {
     fp3_error error;
+    fp3_stats stats;
     *l = (linked){.config = fp3_config_find(config)};
-    told(fp3_scene_open(path, config, &l->scene, &error), &error);
+    told(fp3_scene_open(run->scene, config, &l->scene, &error), &error);
     NEED(l->config);
     fp3_engine_def def = fp3_scene_engine(l->scene);
     def.engine = "fast";
     def.error = &error;
     told(fp3_engine_open(&def, &l->fast), &error);
     told(fp3_scene_load(l->scene, l->fast, &error), &error);
-    told(fp3_chunks_make(l->fast, l->config, at, steps, &l->chunks, &error), &error);
-    const fp3_members *group = &fp3_engine_layout(l->fast)->groups[0];
-    const stood all = {&group->lists, NULL, 0};
+    if (run->from)
+        told(fp3_engine_run(l->fast, run->from, &stats), &error);
+    const fp3_chunks_how how = {at, run->steps, run->roam};
+    told(fp3_chunks_make(l->fast, l->config, &how, &l->chunks, &error), &error);
     l->objects = l->chunks->cut.objects;
-    l->in_store = (double)cycles_of(l->config, group, &all, l->chunks->cut.objects) / l->objects;
     for (uint32_t i = 0; i < l->chunks->cut.count; i++)
         l->ghosts += l->chunks->cut.pieces[i].ghosts;
 }
@@ -126,21 +130,32 @@ static void close_linked(linked *l) {
     fp3_scene_close(&l->scene);
 }
 
-static uint64_t hash_after(const linked *l, uint32_t steps) {
+/* Of engine fast, whose lists of near objects say the cycles of each step. */
+static uint64_t hash_after(linked *l, uint32_t steps) {
     fp3_stats stats;
     fp3_error error = {0};
-    told(fp3_engine_run(l->fast, steps, &stats), &error);
+    const fp3_pieces *cut = &l->chunks->cut;
+    for (uint32_t i = 0; i < steps; i++) {
+        told(fp3_engine_run(l->fast, 1, &stats), &error);
+        const fp3_members *group = fp3_engine_members(l->fast, 0);
+        const uint32_t *rows = fp3_engine_rows(l->fast);
+        const stood all = {&group->lists, rows, NULL, 0};
+        l->in_store += (double)cycles_of(l->config, group, &all, cut->objects);
+        l->in_chunks += (double)in_chunks(l->config, group, rows, cut);
+    }
+    l->in_store /= steps * l->objects;
+    l->in_chunks /= steps * l->objects;
     return hash_of(l->fast, l->chunks, NULL);
 }
 
 /* ---- the hardware makes the steps ---- */
 
-void measure_linked(const char *config, const char *path, uint32_t steps, uint32_t rate,
-                    uint32_t latency) {
+void measure_linked(const char *config, const linked_run *run, uint32_t rate, uint32_t latency) {
+    const uint32_t steps = run->steps;
     fp3_bare_moved how;
     alone a = {0};
     linked l;
-    open_linked(&l, config, path, steps, AT);
+    open_linked(&l, config, run, AT);
     const fp3_chunks *chunks = l.chunks;
     const fp3_rtl_memory shape = {AT / 4 + chunks->words, rate, latency};
     alone_open(&a, config, &shape, 0);
@@ -148,24 +163,32 @@ void measure_linked(const char *config, const char *path, uint32_t steps, uint32
     const uint64_t begin = alone_now(&a);
     NEED(!fp3_bare_move_list(&a.fp3, chunks->list));
     const uint64_t accesses = a.accesses;
-    NEED(!fp3_bare_move_wait(&a.fp3, POLLS, &how) && how == FP3_BARE_MOVED);
+    const fp3_status status = fp3_bare_move_wait(&a.fp3, POLLS, &how);
+    if (status == FP3_E_SYSTEM && how == FP3_BARE_REFUSED && run->roam > 0) {
+        fprintf(stderr,
+                "alone: an object has gone farther than %g, or a list has no room: fewer steps, or "
+                "a larger ROAM\n",
+                run->roam);
+        exit(1);
+    }
+    NEED(!status && how == FP3_BARE_MOVED);
     const double cycles = (double)(alone_now(&a) - begin) / steps;
     const uint64_t between = a.accesses - accesses;
     const uint64_t hash = hash_of(l.fast, chunks, a.memory + AT / 4);
-    const fp3_members *group = &fp3_engine_layout(l.fast)->groups[0];
     const double words = (double)(chunks->in + chunks->out + 4 * chunks->descriptors);
-    const double busy = (double)in_chunks(l.config, group, &chunks->cut);
     NEED(hash == hash_after(&l, steps));
     printf("{\"scene\": \"%s\", \"config\": \"%s\", \"memory\": %g, \"latency\": %" PRIu32
-           ", \"objects\": %" PRIu32 ", \"steps\": %" PRIu32 ", \"chunks\": %" PRIu32
-           ", \"ghosts\": %" PRIu32 ", \"words_in\": %.2f, \"words_out\": %.2f, "
-           "\"descriptors\": %" PRIu64 ", \"cycles_per_object_step\": %.3f, \"in_store\": %.3f, "
-           "\"lanes_busy\": %.4f, \"memory_busy\": %.4f, \"hash\": \"%016" PRIx64
+           ", \"objects\": %" PRIu32 ", \"from\": %" PRIu32 ", \"steps\": %" PRIu32
+           ", \"chunks\": %" PRIu32 ", \"ghosts\": %" PRIu32
+           ", \"words_in\": %.2f, \"words_out\": %.2f, \"descriptors\": %" PRIu64
+           ", \"cycles_per_object_step\": %.3f, \"in_store\": %.3f, \"lanes_busy\": %.4f, "
+           "\"memory_busy\": %.4f, \"hash\": \"%016" PRIx64
            "\", \"host_accesses_between_steps\": %" PRIu64 "}\n",
-           name_of(path), config, rate / 1000.0, latency, chunks->cut.objects, steps,
-           chunks->cut.count, l.ghosts, (double)chunks->in / l.objects,
+           name_of(run->scene), config, rate / 1000.0, latency, chunks->cut.objects, run->from,
+           steps, chunks->cut.count, l.ghosts, (double)chunks->in / l.objects,
            (double)chunks->out / l.objects, chunks->descriptors, cycles / l.objects, l.in_store,
-           busy / cycles, words / (rate < 1000 ? rate / 1000.0 : 1) / cycles, hash, between);
+           l.in_chunks * l.objects / cycles, words / (rate < 1000 ? rate / 1000.0 : 1) / cycles,
+           hash, between);
     close_linked(&l);
     alone_close(&a);
 }
@@ -186,10 +209,9 @@ static void print_runs(const fp3_chunks *chunks) {
     }
 }
 
-void image_linked(const char *config, const char *path, uint32_t steps, uint32_t at,
-                  const char *image) {
+void image_linked(const char *config, const linked_run *run, uint32_t at, const char *image) {
     linked l;
-    open_linked(&l, config, path, steps, at);
+    open_linked(&l, config, run, at);
     const fp3_chunks *chunks = l.chunks;
     FILE *file = fopen(image, "wb");
     int is_written = file && fwrite(chunks->memory, sizeof *chunks->memory, chunks->words, file) ==
@@ -200,14 +222,14 @@ void image_linked(const char *config, const char *path, uint32_t steps, uint32_t
         fprintf(stderr, "alone: cannot write '%s'\n", image);
         exit(1);
     }
-    const uint64_t begin = hash_of(l.fast, chunks, NULL);
+    const uint64_t begin = hash_of(l.fast, chunks, NULL), end = hash_after(&l, run->steps);
     printf("{\"scene\": \"%s\", \"config\": \"%s\", \"at\": %" PRIu32 ", \"words\": %" PRIu32
            ", \"list\": %" PRIu32 ", \"objects\": %" PRIu32 ", \"steps\": %" PRIu32
            ", \"chunks\": %" PRIu32 ", \"ghosts\": %" PRIu32
            ", \"in_store\": %.3f, \"begins\": \"%016" PRIx64 "\", \"ends\": \"%016" PRIx64
            "\", \"runs\": [",
-           name_of(path), config, at, chunks->words, chunks->list, chunks->cut.objects, steps,
-           chunks->cut.count, l.ghosts, l.in_store, begin, hash_after(&l, steps));
+           name_of(run->scene), config, at, chunks->words, chunks->list, chunks->cut.objects,
+           run->steps, chunks->cut.count, l.ghosts, l.in_store, begin, end);
     print_runs(chunks);
     printf("], \"places\": [");
     for (uint32_t i = 0; i < chunks->cut.objects; i++)

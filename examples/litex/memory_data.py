@@ -1,6 +1,6 @@
 """The scene of memory.c: what memory has to be, and a C header that says where everything is in it.
 
-    row = memory_data.make(alone, folder, scene, steps, at, end)     of build/bench/alone
+    row = memory_data.make(alone, folder, scene, steps, roam, at, end)     of build/bench/alone
 """
 
 import json
@@ -42,10 +42,10 @@ static const uint32_t scene_places[] = {{{", ".join(map(str, row["places"]))}}};
 """
 
 
-def make(alone, folder, scene, steps, at, end):
-    """memory.image and memory_data.h in a folder. The row has the hashes before and after the steps, by the engine fast."""
+def make(alone, folder, scene, steps, roam, at, end):
+    """memory.image and memory_data.h in a folder. roam: how far near objects may go; None: there are none. The row has the hashes before and after the steps, by the engine fast."""
     image = folder / "memory.image"
-    done = subprocess.run([alone, "image", CONFIG, scene, str(steps), str(at), image], capture_output=True, text=True)
+    done = subprocess.run([alone, "image", CONFIG, scene, str(steps), str(at), image, *([] if roam is None else [str(roam)])], capture_output=True, text=True)
     if done.returncode:
         raise ValueError(done.stderr.strip())
     row = json.loads(done.stdout)

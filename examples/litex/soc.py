@@ -43,8 +43,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 SOFTWARE = pathlib.Path(litex.__file__).parent / "soc/software"
 ORIGIN = 0x9000_0000          # VexRiscv caches nothing from 0x8000_0000 on
 MAIN_RAM = 0x4000_0000        # LiteX has the SDRAM of a VexRiscv here
-MEMORY = {"ships": (0x4000, 0x1000), "scenes": (0x10000, 0x4000), "memory": (0x8000, 0x1000)}    # bytes of ROM and of RAM
-LIMIT = {"ships": 2_000_000, "scenes": 60_000_000, "memory": 100_000_000}                        # cycles that are simulated
+MEMORY = {"ships": (0x4000, 0x1000), "scenes": (0x10000, 0x4000), "memory": (0x10000, 0x1000)}   # bytes of ROM and of RAM
+LIMIT = {"ships": 2_000_000, "scenes": 60_000_000, "memory": 200_000_000}                        # cycles that are simulated
 CONFIG = {"ships": "single", "scenes": scenes_data.CONFIG, "memory": memory_data.CONFIG}
 CLOCK = 100_000_000
 STEPS = 1000
@@ -175,7 +175,7 @@ def run(args):
     folder.mkdir(parents=True, exist_ok=True)
     row = contents = None
     if args.program == "memory":
-        row = memory_data.make(args.alone, folder, memory_data.SCENE, args.steps, MAIN_RAM, memory_end(args.sdram))
+        row = memory_data.make(args.alone, folder, args.scene, args.steps, args.roam, MAIN_RAM, memory_end(args.sdram))
         contents = memory_data.words_of(folder / "memory.image")
     soc = SoC(args.config, args.bus, args.program, args.sdram, contents)
     soc.finalize()
@@ -205,6 +205,8 @@ def main():
     parser.add_argument("--bus", choices=["wishbone", "axi-lite"], default="wishbone", help="of the SoC (wishbone)")
     parser.add_argument("--sdram", choices=list(SDRAMS), default=SDRAM, help="the chip, for memory (%(default)s)")
     parser.add_argument("--steps", type=int, default=10, help="that the objects in memory make (%(default)s)")
+    parser.add_argument("--scene", type=pathlib.Path, default=memory_data.SCENE, help="of the objects in memory (the gallery's flag)")
+    parser.add_argument("--roam", type=float, help="how far these may go, if they see those that are near")
     parser.add_argument("--alone", type=pathlib.Path, default=ROOT / "build/bench/alone", help="the command that knows what memory has to be (build/bench/alone)")
     parser.add_argument("--fp3", type=pathlib.Path, default=ROOT / "build/bin/fp3", help="the command (build/bin/fp3)")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/soc", help="the folder (build/soc)")

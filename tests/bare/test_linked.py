@@ -1,4 +1,4 @@
-"""Objects that see each other by links, more than the store holds: one list of transfers on simulated hardware, or a refusal with its reason."""
+"""Objects that see each other, more than the store holds: one list of transfers on simulated hardware, or a refusal with its reason."""
 
 import json
 import subprocess
@@ -19,14 +19,37 @@ v' = sum(o in ties: o.k*o.p*(o.x - x - o.rest)) + 0.125*sum(o in far: o.x - x) -
 """
 
 
+# Near in a plane, and linked; both move by a tenth of the reach in some steps.
+SWARM = """model swarm "points that push those near them"
+param q = 0.5
+state x[2] = (0, 0)
+state v[2] = (0, 0)
+near close(x, 0.1)
+links ties
+step 0.0078125
+push = sum(o in close: (0.1 - norm(o.x - x))*(x - o.x))
+x' = v
+v' = 40*push + sum(o in ties: o.x - x) - q*(x - (0.5, 0.5))
+"""
+
+TWO_SIZES = """model sizes "points that reach differently far"
+param r = 0.1
+state x[2] = (0, 0)
+near close(x, r + o.r)
+step 0.125
+x' = sum(o in close: x - o.x)
+"""
+
+
 @pytest.fixture
 def linked(root, build, tmp_path):
-    def linked(scene, steps, config="world_memory"):
+    def linked(scene, steps, config="world_memory", roam=()):
         (tmp_path / "web.ode").write_text(WEB, encoding="utf-8")
+        (tmp_path / "swarm.ode").write_text(SWARM, encoding="utf-8")
         if isinstance(scene, str):
             (tmp_path / "it.scene").write_text(f"groups = ( {{ {scene} }} );\n", encoding="utf-8")
             scene = tmp_path / "it.scene"
-        return subprocess.run([build / "bench/alone", "linked", config, scene, str(steps), "3000", "20"], capture_output=True, text=True, timeout=120)
+        return subprocess.run([build / "bench/alone", "linked", config, scene, str(steps), "3000", "20", *map(str, roam)], capture_output=True, text=True, timeout=120)
     return linked
 
 
@@ -51,12 +74,13 @@ STARS = """program = "web.ode"; integrator = "INTEGRATOR"; objects = 4800;
 
 
 @pytest.mark.parametrize("scene, said", [
-    ("programs/world/balls.scene", "near objects change"), ("programs/world/stars.scene", "all others are more"), ("programs/world/breaking.scene", "remember"),
+    ("programs/world/balls.scene", "need a distance above 0"), ('program = "sizes.ode"; objects = 9;', "of one reach"), ("programs/world/stars.scene", "all others are more"), ("programs/world/breaking.scene", "remember"),
     (NET + "born = 2;", "come and go"), (STAR, "object 0 and the 1499 that it sees have no room in the 16384 words of configuration 'world_memory'"),
     (STARS, "object 0 and the 1200 that it sees have no room"), ('program = "one.ode"; objects = 9;', "see no others")])
 def test_what_chunks_cannot_do_is_refused(linked, root, tmp_path, scene, said):
     for name, others in (("star", range(1, 1500)), ("near", range(1, 601)), ("far", range(601, 1201))):
         (tmp_path / f"{name}.csv").write_text("a,b\n" + "".join(f"0,{i}\n" for i in others), encoding="utf-8")
+    (tmp_path / "sizes.ode").write_text(TWO_SIZES, encoding="utf-8")
     (tmp_path / "one.ode").write_text("state x = 1\nx' = -x\nstep 0.125\n", encoding="utf-8")
     done = linked(root / scene if scene.endswith(".scene") else scene.replace("INTEGRATOR", "semi_implicit_euler"), 1)
     assert done.returncode == 1 and said in done.stderr and not done.stdout, done.stderr
@@ -80,3 +104,27 @@ def test_few_links_or_none(linked, tmp_path, objects, ties, steps):
 def test_memory_that_gives_no_word_is_refused(root, build):
     done = subprocess.run([build / "bench/alone", "linked", "world_memory", root / "bench/alone/cloth.scene", "1", "0", "20"], capture_output=True, text=True, timeout=20)
     assert done.returncode == 2 and "RATE: expected 1 or more" in done.stderr
+
+
+# Chunks with ghosts; some points are alone, most move a quarter of the reach.
+CROWD = """program = "swarm.ode"; integrator = "INTEGRATOR"; objects = OBJECTS;
+         random = { position = "x"; from = [0.0, 0.0]; to = [SIDE, 1.0]; apart = 0.01; seed = 3; };
+         spread = { v_x = [-0.5, 0.5]; v_y = [0.25, -0.25]; q = [0.1, 4.0]; };
+         links = ( { relation = "ties"; file = "ties.csv"; } ); """
+
+
+@pytest.mark.parametrize("integrator, objects, side, steps, roam, since", [
+    ("semi_implicit_euler", 700, 3.0, 12, 0.07, 0), ("heun", 500, 3.0, 5, 0.05, 3), ("semi_implicit_euler", 1, 1.0, 2, 0.5, 0)])
+def test_lists_of_near_objects_are_made_beyond_the_store(linked, tmp_path, integrator, objects, side, steps, roam, since):
+    """bench/alone compares the words with those of engine fast: a pair that a list misses changes them."""
+    (tmp_path / "ties.csv").write_text("a,b\n" + ("0,1\n5,400\n" if objects > 1 else ""), encoding="utf-8")
+    done = linked(CROWD.replace("INTEGRATOR", integrator).replace("OBJECTS", str(objects)).replace("SIDE", str(side)), steps, roam=(roam, since))
+    assert done.returncode == 0, done.stderr
+    row = json.loads(done.stdout)
+    assert row["host_accesses_between_steps"] == 0 and (row["chunks"] > 1 and row["ghosts"] > 0) == (objects > 1)
+
+
+def test_an_object_that_goes_too_far_ends_the_list(linked, tmp_path):
+    (tmp_path / "ties.csv").write_text("a,b\n", encoding="utf-8")
+    done = linked(CROWD.replace("INTEGRATOR", "semi_implicit_euler").replace("OBJECTS", "60").replace("SIDE", "1.0"), 12, roam=(0.03,))
+    assert done.returncode == 1 and "has gone farther than 0.03" in done.stderr and not done.stdout

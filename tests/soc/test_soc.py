@@ -90,7 +90,7 @@ AT, BYTES = 0x1000, 1 << 20                # where a scene begins in simulated m
 def memory(root, build, tmp_path_factory):
     """memory.c with three steps of the flag: their hashes by the engine fast, and what starts it."""
     folder = tmp_path_factory.mktemp("memory")
-    row = memory_data.make(build / "bench/alone", folder, memory_data.SCENE, 3, AT, BYTES)
+    row = memory_data.make(build / "bench/alone", folder, memory_data.SCENE, 3, None, AT, BYTES)
     sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
     succeeds("gcc", *WARN, "-D_GNU_SOURCE", "-g", *sanitize, "-DTICK=30000u",
              *[word for name in (root / "examples/litex", root / "sw", root / "sw/bare", root / "sw/include", root / "sim", folder) for word in ("-I", name)],

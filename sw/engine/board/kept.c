@@ -3,19 +3,17 @@
 #include "kept.h"
 
 #include "memory.h"
+#include "near_code.h"
 
 #include "gen/registers.h"
 #include <fp3/isa.h>
 #include <inttypes.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define BIT(reg) (UINT64_C(1) << (reg))
-#define ADDED_MAX 96 /* words that one phase may have in front of it */
 #define NO_ROOM ((1u << (FP3_OBJECTS_LENGTH_HI - FP3_OBJECTS_LENGTH_LO + 1)) - 1)
 #define REGISTERS_LEAST 32 /* `hold` counts words below it */
-#define SQUARES 1e-6       /* how much farther a bound is than its square in FP32 */
 
 /* Which constant: the square of how far a list reaches, below 0; of how far an object may move; how
  * many entries a list has room for. */
@@ -30,22 +28,6 @@ static fp3_cells column(const fp3_members *group, uint32_t reg) {
 }
 
 /* ---- whether the hardware can ---- */
-
-/* One list of near objects, by numbers of one word, of all objects. */
-static const fp3_list *find_list(const fp3_lists *lists) {
-    const fp3_list *found = NULL;
-    for (uint32_t i = 0; i < lists->shape.list_count; i++) {
-        const fp3_list *list = &lists->lists[i];
-        if (!list->is_near)
-            continue;
-        const fp3_near_rule *rule = &list->near;
-        if (found || list->fields || list->kind || rule->radius || rule->is_pair || rule->format ||
-            list->own < list->objects)
-            return NULL;
-        found = list;
-    }
-    return found;
-}
 
 static int is_alone(const fp3_engine *engine) {
     const fp3_members *group = group_of(engine);
@@ -111,84 +93,41 @@ static int take_room(const fp3_engine *engine, fp3_own_list *kept) {
 /* ---- the program ---- */
 
 typedef struct {
-    const fp3_own_list *kept;
-    uint32_t temp[FP3_NEAR_DIMENSIONS];
-    uint32_t code[ADDED_MAX], count;
+    uint32_t word[2 * FP3_NEAR_CODE_MAX], count;
 } added;
 
-static void put(added *to, uint32_t op, uint32_t d, uint32_t a, uint32_t b, uint32_t c) {
-    to->code[to->count++] =
-        fp3_word_encode(&(fp3_instruction){.op = op, .d = d, .a = a, .b = b, .c = c});
+static void put(added *to, const fp3_near_code *code) {
+    memcpy(to->word + to->count, code->word, code->count * sizeof *code->word);
+    to->count += code->count;
+}
+
+/* words: how many of the next phase are left out if nobody raises. */
+static void put_hold(added *to, uint32_t words) {
+    to->word[to->count++] = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_HOLD, .d = words});
 }
 
 static uint32_t constant(const fp3_own_list *kept, uint32_t which) {
     return FP3_BANK_SHARED_BASE + kept->constant + which;
 }
 
-/* Registers that the two phases compute in. */
-static void choose_temporary(const fp3_config *config, added *to) {
-    const fp3_near_rule *rule = &to->kept->list->near;
-    uint64_t used = BIT(to->kept->all) | BIT(to->kept->list->reg);
-    uint32_t reg = config->registers;
-    for (uint32_t k = 0; k < rule->dimensions; k++)
-        used |= BIT(rule->regs[k]) | BIT(to->kept->made[k]);
-    for (uint32_t k = 0; k < rule->dimensions; k++) {
-        while (used >> --reg & 1)
-            ;
-        to->temp[k] = reg;
-    }
-}
-
-/* A constant, and by op the squares of the temporary registers, to the first of them. */
-static void put_squares(added *to, uint32_t op, uint32_t which) {
-    const uint32_t *t = to->temp;
-    put(to, op, t[0], t[0], t[0], constant(to->kept, which));
-    for (uint32_t k = 1; k < to->kept->list->near.dimensions; k++)
-        put(to, op, t[0], t[k], t[k], t[0]);
-}
-
-static void put_check(added *to) {
-    const fp3_own_list *kept = to->kept;
-    const fp3_near_rule *rule = &kept->list->near;
-    for (uint32_t k = 0; k < rule->dimensions; k++) {
-        put(to, FP3_OP_LD, rule->regs[k], 0, 0, 0);
-        put(to, FP3_OP_LD, kept->made[k], 0, 0, 0);
-    }
-    for (uint32_t k = 0; k < rule->dimensions; k++)
-        put(to, FP3_OP_SUB, to->temp[k], rule->regs[k], kept->made[k], 0);
-    put_squares(to, FP3_OP_MSUB, MOVED); /* negative: it has moved too far */
-    put(to, FP3_OP_RAISE, to->temp[0], 0, 0, 0);
-}
-
-static void put_making(added *to) {
-    const fp3_own_list *kept = to->kept;
-    const fp3_near_rule *rule = &kept->list->near;
-    put(to, FP3_OP_LD, kept->list->reg, 0, 0, 0);
-    put(to, FP3_OP_LD, kept->all, 0, 0, 0);
-    for (uint32_t k = 0; k < rule->dimensions; k++)
-        put(to, FP3_OP_LD, rule->regs[k], 0, 0, 0);
-    for (uint32_t k = 0; k < rule->dimensions; k++) /* as it is */
-        put(to, FP3_OP_MAX, kept->made[k], rule->regs[k], rule->regs[k], 0);
-    put(to, FP3_OP_EACH, kept->all, 0, 0, 0);
-    for (uint32_t k = 0; k < rule->dimensions; k++)
-        put(to, FP3_OP_SUBN, to->temp[k], rule->regs[k], rule->regs[k], 0);
-    put_squares(to, FP3_OP_MADD, REACH); /* negative: the neighbour is near */
-    put(to, FP3_OP_KEEP, kept->list->reg, to->temp[0], constant(kept, ROOM), 0);
-    put(to, FP3_OP_NEXT, 0, 0, 0, 0);
-    put(to, FP3_OP_ST, kept->list->reg, 0, 0, 0);
-    for (uint32_t k = 0; k < rule->dimensions; k++)
-        put(to, FP3_OP_ST, kept->made[k], 0, 0, 0);
-    put(to, FP3_OP_HOLD, 0, 0, 0, 0);
-}
-
 static added make_added(const fp3_config *config, const fp3_own_list *kept) {
-    added to = {.kept = kept};
-    choose_temporary(config, &to);
-    put_check(&to);
-    const uint32_t at = to.count;
-    put(&to, FP3_OP_HOLD, 0, 0, 0, 0);
-    put_making(&to);
-    to.code[at] = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_HOLD, .d = to.count - at - 1});
+    const fp3_near_rule *rule = &kept->list->near;
+    fp3_near_names names = {.dimensions = rule->dimensions,
+                            .list = kept->list->reg,
+                            .source = kept->all,
+                            .moved = constant(kept, MOVED),
+                            .reach = constant(kept, REACH),
+                            .room = constant(kept, ROOM)};
+    memcpy(names.at, rule->regs, sizeof names.at);
+    memcpy(names.made, kept->made, sizeof names.made);
+    fp3_near_code check, renew;
+    fp3_near_check(&names, config->registers, &check);
+    fp3_near_renew(&names, config->registers, &renew);
+    added to = {.count = 0};
+    put(&to, &check);
+    put_hold(&to, renew.count + 1);
+    put(&to, &renew);
+    put_hold(&to, 0);
     return to;
 }
 
@@ -211,7 +150,7 @@ static int write_program(const fp3_engine *engine, fp3_own_list *kept) {
         const uint32_t count = begins && goes_through(program, i, kept->list->reg) ? more.count : 0;
         if (kept->count + count + 1 > engine->config->program_words)
             return 0;
-        memcpy(kept->code + kept->count, more.code, count * sizeof *more.code);
+        memcpy(kept->code + kept->count, more.word, count * sizeof *more.word);
         kept->count += count;
         kept->code[kept->count++] = program->code[i];
         begins = fp3_ends_phase(&program->decoded[i]);
@@ -221,20 +160,11 @@ static int write_program(const fp3_engine *engine, fp3_own_list *kept) {
 
 /* ---- a run ---- */
 
-static uint32_t bits(float value) {
-    uint32_t word;
-    memcpy(&word, &value, sizeof word);
-    return word;
-}
-
-/* A list made by squares has all that one made by distances has; a check is as early. */
 static fp3_status write_constants(fp3_engine *engine, const fp3_own_list *kept) {
     const fp3_near_rule *rule = &kept->list->near;
-    const double reach = fp3_near_reach(rule) * (1 + SQUARES),
-                 moved = rule->skin / 2 * (1 - FP3_NEAR_ROUNDING);
     const uint32_t words[] = {
-        [REACH] = bits((float)(-reach * reach)),
-        [MOVED] = bits((float)(moved * moved)),
+        [REACH] = fp3_near_reached(rule),
+        [MOVED] = fp3_near_moved(rule->skin / 2),
         [ROOM] = kept->room,
     };
     return fp3_memory_write(
@@ -270,7 +200,7 @@ fp3_status fp3_kept_begin(fp3_engine *engine, fp3_own_list *kept) {
     const fp3_members *group = group_of(engine);
     *kept = (fp3_own_list){.constant = group->image->shared, .log2 = group->log2};
     kept->log2_before = group->log2;
-    if (!is_alone(engine) || !(kept->list = find_list(&group->lists)))
+    if (!is_alone(engine) || !(kept->list = fp3_near_code_list(&group->lists)))
         return FP3_OK;
     kept->code = malloc(engine->config->program_words * sizeof *kept->code);
     if (!kept->code)

@@ -2,13 +2,12 @@
 /* check.c - see check.h. */
 #include "check.h"
 
+#include "engine/board/near_code.h"
 #include "gen/registers.h"
 #include "machine/operation.h"
-#include "numbers.h"
 #include <inttypes.h>
 
 #define BIT(reg) (UINT64_C(1) << (reg))
-#define MOST_NEIGHBOURS ((1u << (FP3_OBJECTS_LENGTH_HI - FP3_OBJECTS_LENGTH_LO + 1)) - 1)
 
 static fp3_status refuse(fp3_error *error, const char *why) {
     return fp3_fail(error, FP3_E_PROGRAM, "objects in chunks: %s", why);
@@ -20,15 +19,6 @@ fp3_status fp3_chunks_no_room(const fp3_config *config, uint32_t object, uint32_
                     "objects in chunks: object %" PRIu32 " and the %" PRIu32
                     " that it sees have no room in the %" PRIu32 " words of configuration '%s'",
                     object, seen, config->store_words, config->name);
-}
-
-uint32_t fp3_chunks_log2(const fp3_members *group) {
-    fp3_chunks_numbers numbers;
-    uint32_t log2 = FP3_RECORD_LOG2;
-    fp3_chunks_number(group, &numbers);
-    while (1u << log2 < numbers.moved)
-        log2++;
-    return log2;
 }
 
 static fp3_status check_hardware(const fp3_config *config, const fp3_config *program,
@@ -91,13 +81,18 @@ static fp3_status check_program(const fp3_members *group, fp3_error *error) {
     return FP3_OK;
 }
 
-static fp3_status check_list(const fp3_list *list, fp3_error *error) {
-    if (list->is_near || list->is_all)
-        return refuse(error, list->is_near ? "lists of near objects change from step to step"
-                                           : "all others are more than the store holds");
+static fp3_status check_list(const fp3_members *group, const fp3_config *config,
+                             const fp3_list *list, fp3_error *error) {
+    if (list->is_all)
+        return refuse(error, "all others are more than the store holds");
     if (list->kept)
         return refuse(error, "pairs that remember would change lists in memory");
-    return list->begin ? FP3_OK : refuse(error, "a list has not been given");
+    if (list->is_near && (!config->keep || !config->chain))
+        return refuse(error, "lists of near objects are made by hardware with `keep` and `chain`");
+    if (list->is_near && fp3_near_code_list(&group->lists) != list)
+        return refuse(error, "hardware makes one list of near objects, all of one kind and of one "
+                             "reach, at positions in one word");
+    return list->is_near || list->begin ? FP3_OK : refuse(error, "a list has not been given");
 }
 
 /* One that would not fit even in a chunk of its own, if it saw in all its lists the same. */
@@ -106,16 +101,18 @@ static fp3_status check_object(const fp3_members *group, const fp3_config *confi
     const fp3_lists *lists = &group->lists;
     uint64_t seen = 0, words = 0;
     for (uint32_t k = 0; k < lists->shape.list_count; k++) {
+        if (lists->lists[k].is_near) /* the cut shows it */
+            continue;
         const uint32_t length = fp3_list_length(&lists->lists[k], object);
-        if (length > MOST_NEIGHBOURS)
+        if (length > FP3_CHUNKS_LENGTH)
             return fp3_fail(error, FP3_E_PROGRAM,
                             "objects in chunks: object %" PRIu32 " has %" PRIu32
                             " neighbours in a list, at most %u are possible",
-                            object, length, MOST_NEIGHBOURS);
+                            object, length, FP3_CHUNKS_LENGTH);
         seen = length > seen ? length : seen;
         words += fp3_chunks_words(&lists->lists[k], object);
     }
-    const uint64_t records = (1 + seen) << fp3_chunks_log2(group);
+    const uint64_t records = (1 + seen) << FP3_RECORD_LOG2; /* at least */
     if (2 * records > config->store_words || words + 2 * records > config->store_words)
         return fp3_chunks_no_room(config, object, (uint32_t)seen, error);
     return FP3_OK;
@@ -134,7 +131,7 @@ fp3_status fp3_chunks_check(fp3_engine *engine, const fp3_config *config, fp3_er
     if (!status)
         status = check_phases(group, config, error);
     for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++)
-        status = check_list(&group->lists.lists[k], error);
+        status = check_list(group, config, &group->lists.lists[k], error);
     for (uint32_t i = 0; !status && i < group->objects; i++)
         status = check_object(group, config, i, error);
     return status;

@@ -7,9 +7,10 @@
 #define BIT(reg) (UINT64_C(1) << (reg))
 #define MASK (FP3_BANK_OBJECT_COUNT - 1)
 
-void fp3_chunks_number(const fp3_members *group, fp3_chunks_numbers *numbers) {
-    const uint64_t seen = group->lists.shape.published, stored = group->visit->stored;
-    const uint64_t sets[] = {seen & stored, seen, stored, group->visit->loaded, UINT64_MAX};
+void fp3_chunks_number(const fp3_members *group, uint64_t apart, fp3_chunks_numbers *numbers) {
+    const uint64_t seen = group->lists.shape.published, stored = group->visit->stored,
+                   loaded = group->visit->loaded;
+    const uint64_t sets[] = {seen & stored, seen, stored, loaded & ~apart, loaded, UINT64_MAX};
     const uint32_t count = sizeof sets / sizeof *sets;
     uint64_t left = UINT64_MAX;
     uint32_t next = 0;

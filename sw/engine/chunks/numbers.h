@@ -17,8 +17,9 @@ typedef struct {
 } fp3_chunks_numbers;
 
 /* What is moved alike has numbers that follow each other: what neighbours read and steps store;
- * what neighbours read; what is stored; what is loaded. */
-void fp3_chunks_number(const fp3_members *group, fp3_chunks_numbers *numbers);
+ * what neighbours read; what is stored; what is loaded; of what is loaded, those of `apart`, a bit
+ * for each. */
+void fp3_chunks_number(const fp3_members *group, uint64_t apart, fp3_chunks_numbers *numbers);
 
 /* A word of the program, which is an instruction, with these numbers. */
 uint32_t fp3_chunks_renamed(const fp3_chunks_numbers *numbers, const fp3_decoded *word);

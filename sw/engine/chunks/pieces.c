@@ -60,13 +60,8 @@ static size_t sort(uint64_t *keys, size_t count) {
     return kept;
 }
 
-static const fp3_lists *lists_of(const fp3_engine *engine) {
-    return &fp3_engine_layout(engine)->groups[0].lists;
-}
-
-static fp3_status look(const fp3_engine *engine, const fp3_pieces *cut, const uint32_t *slot,
+static fp3_status look(const fp3_lists *lists, const fp3_pieces *cut, const uint32_t *slot,
                        sights *s) {
-    const fp3_lists *lists = lists_of(engine);
     size_t entries = 0;
     for (uint32_t k = 0; k < lists->shape.list_count; k++)
         entries += lists->lists[k].begin[cut->objects];
@@ -130,9 +125,53 @@ static fp3_status divide(fp3_pieces *cut, sights *s) {
     return FP3_OK;
 }
 
-fp3_status fp3_pieces_make(fp3_engine *engine, uint32_t count, fp3_pieces *cut, fp3_error *error) {
+/* Pieces `first` on, so many: across the longest side of what they fill, until it is one. */
+static void bisect(const fp3_positions *places, const fp3_pieces *cut, fp3_positioned *list,
+                   uint32_t first, uint32_t pieces) {
+    const uint32_t begin = before(cut, first), half = pieces / 2;
+    if (pieces < 2)
+        return;
+    fp3_positions_sort(places, list + begin, before(cut, first + pieces) - begin);
+    bisect(places, cut, list, first, half);
+    bisect(places, cut, list, first + half, pieces - half);
+}
+
+static int by_weight(const void *a, const void *b) {
+    const fp3_positioned *x = a, *y = b;
+    return x->weight != y->weight ? (x->weight > y->weight) - (x->weight < y->weight)
+                                  : (x->object > y->object) - (x->object < y->object);
+}
+
+/* A batch takes as long as its longest list, so within a piece lists of one length stand together.
+ */
+static fp3_status order_by_place(const fp3_positions *places, const uint32_t *lengths,
+                                 const fp3_pieces *cut, uint32_t *slot) {
+    fp3_positioned *list = malloc(cut->objects * sizeof *list);
+    if (!list)
+        return FP3_E_SYSTEM;
+    for (uint32_t i = 0; i < cut->objects; i++)
+        list[i] = (fp3_positioned){0, i, lengths[i]};
+    bisect(places, cut, list, 0, cut->count);
+    for (uint32_t p = 0; p < cut->count; p++)
+        qsort(list + before(cut, p), before(cut, p + 1) - before(cut, p), sizeof *list, by_weight);
+    for (uint32_t i = 0; i < cut->objects; i++)
+        slot[list[i].object] = i;
+    free(list);
+    return FP3_OK;
+}
+
+static fp3_status order_by_links(fp3_engine *engine, uint32_t pieces, uint32_t *slot) {
     fp3_config *config = fp3_engine_config(engine);
-    const uint32_t objects = fp3_engine_layout(engine)->groups[0].objects, lanes = config->lanes;
+    const uint32_t lanes = config->lanes;
+    config->lanes = pieces; /* a piece is what a lane would have */
+    const fp3_status status = fp3_partition_find(engine, slot);
+    config->lanes = lanes;
+    return status;
+}
+
+fp3_status fp3_pieces_make(fp3_engine *engine, const fp3_lists *lists, const fp3_pieces_by *by,
+                           uint32_t count, fp3_pieces *cut, fp3_error *error) {
+    const uint32_t objects = fp3_engine_layout(engine)->groups[0].objects;
     sights s = {NULL, 0};
     *cut = (fp3_pieces){.objects = objects,
                         .count = count,
@@ -141,13 +180,11 @@ fp3_status fp3_pieces_make(fp3_engine *engine, uint32_t count, fp3_pieces *cut, 
                         .pieces = malloc(count * sizeof *cut->pieces)};
     uint32_t *slot = malloc(objects * sizeof *slot);
     fp3_status status = FP3_E_SYSTEM;
-    if (cut->place && cut->object && cut->pieces && slot) {
-        config->lanes = count; /* a piece is what a lane would have */
-        status = fp3_partition_find(engine, slot);
-        config->lanes = lanes;
-    }
+    if (cut->place && cut->object && cut->pieces && slot)
+        status = by ? order_by_place(by->places, by->lengths, cut, slot)
+                    : order_by_links(engine, count, slot);
     if (!status)
-        status = look(engine, cut, slot, &s);
+        status = look(lists, cut, slot, &s);
     if (!status)
         status = stand(cut, slot, &s);
     if (!status)

@@ -7,6 +7,7 @@
 #ifndef FP3_PIECES_H
 #define FP3_PIECES_H
 
+#include "engine/cluster/places.h"
 #include "engine/common/inside.h"
 
 typedef struct {
@@ -26,10 +27,17 @@ typedef struct {
     fp3_stretch *ranges;
 } fp3_pieces;
 
-/* Of the engine's only group, by the links that it has; count: at least 1, at most the objects. The
- * configuration of the engine is another one meanwhile. The caller frees *cut, also after a
- * failure. FP3_E_SYSTEM: out of memory. */
-fp3_status fp3_pieces_make(fp3_engine *engine, uint32_t count, fp3_pieces *cut, fp3_error *error);
+/* Where objects are, and how long a list of each is. */
+typedef struct {
+    const fp3_positions *places;
+    const uint32_t *lengths;
+} fp3_pieces_by;
+
+/* Of the engine's only group. lists: who sees whom. by: what they are cut by; NULL: by the links
+ * that the engine has, whose configuration is another one meanwhile. count: at least 1, at most the
+ * objects. The caller frees *cut, also after a failure. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_pieces_make(fp3_engine *engine, const fp3_lists *lists, const fp3_pieces_by *by,
+                           uint32_t count, fp3_pieces *cut, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_pieces_free(fp3_pieces *cut);
 

@@ -114,21 +114,9 @@ fp3_status fp3_ranks_divide_by_links(fp3_engine *engine, fp3_ranked *to) {
 
 /* ---- by place ---- */
 
-typedef struct {
-    float place;
-    uint32_t object;
-    uint64_t weight;
-} placed;
-
-static int by_place(const void *a, const void *b) {
-    const placed *x = a, *y = b;
-    return x->place != y->place ? (x->place > y->place) - (x->place < y->place)
-                                : (x->object > y->object) - (x->object < y->object);
-}
-
 /* Where the first `low` of so many ranks have their share of the weight. Every rank gets an object.
  */
-static uint32_t find_cut(const placed *list, uint32_t count, uint32_t low, uint32_t ranks) {
+static uint32_t find_cut(const fp3_positioned *list, uint32_t count, uint32_t low, uint32_t ranks) {
     uint64_t all = 0, sum = 0;
     uint32_t cut = 0;
     for (uint32_t i = 0; i < count; i++)
@@ -140,46 +128,32 @@ static uint32_t find_cut(const placed *list, uint32_t count, uint32_t low, uint3
 
 /* Recursive bisection: across the longest side of what `list` fills, in the proportion of the ranks
  * of either half. */
-static void bisect(const fp3_positions *p, placed *list, uint32_t count, uint32_t first,
+static void bisect(const fp3_positions *p, fp3_positioned *list, uint32_t count, uint32_t first,
                    uint32_t ranks, uint32_t *whose) {
-    uint32_t axis = 0;
-    double longest = -1;
-    for (uint32_t k = 0; k < p->dimensions; k++) {
-        double least = INFINITY, most = -INFINITY;
-        for (uint32_t i = 0; i < count; i++) {
-            least = fmin(least, fp3_position(p, k, list[i].object));
-            most = fmax(most, fp3_position(p, k, list[i].object));
-        }
-        if (most - least > longest) {
-            longest = most - least;
-            axis = k;
-        }
-    }
     if (ranks == 1) {
         for (uint32_t i = 0; i < count; i++)
             whose[list[i].object] = first;
         return;
     }
-    for (uint32_t i = 0; i < count; i++)
-        list[i].place = (float)fp3_position(p, axis, list[i].object);
-    qsort(list, count, sizeof *list, by_place);
+    fp3_positions_sort(p, list, count);
     const uint32_t low = ranks / 2, cut = find_cut(list, count, low, ranks);
     bisect(p, list, cut, first, low, whose);
     bisect(p, list + cut, count - cut, first + low, ranks - low, whose);
 }
 
 /* By how many are near each now, and linked with it. */
-static fp3_status weigh(fp3_engine *engine, const fp3_positions *p, placed *list) {
+static fp3_status weigh(fp3_engine *engine, const fp3_positions *p, fp3_positioned *list) {
     fp3_members *group = &engine->layout.groups[0];
     const cost each = cost_of(group);
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < engine->objects; i++)
-        list[i] = (placed){0, i, each.once};
+        list[i] = (fp3_positioned){0, i, each.once};
     for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++) {
         const fp3_list *of = &group->lists.lists[k];
         uint32_t *made = NULL, *other = NULL;
         if (of->is_near)
-            status = fp3_positions_pairs(engine, &of->near, p, engine->objects, &made, &other);
+            status = fp3_positions_pairs(p, &of->near, engine->objects, &made, &other,
+                                         engine->def.error);
         const uint32_t *begin = of->is_near ? made : of->begin;
         for (uint32_t i = 0; !status && begin && i < engine->objects; i++)
             list[i].weight += (uint64_t)each.turn[k] * (begin[i + 1] - begin[i]);
@@ -192,7 +166,7 @@ static fp3_status weigh(fp3_engine *engine, const fp3_positions *p, placed *list
 fp3_status fp3_ranks_divide_by_place(fp3_engine *engine, fp3_ranked *to) {
     const fp3_members *group = &engine->layout.groups[0];
     fp3_positions p = {0};
-    placed *list = malloc(engine->objects * sizeof *list);
+    fp3_positioned *list = malloc(engine->objects * sizeof *list);
     fp3_status status = list ? FP3_OK : fp3_ranks_no_memory(engine);
     if (!status)
         status = fp3_positions_read(engine, fp3_positions_rule(group), &p);

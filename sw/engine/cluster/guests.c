@@ -91,7 +91,7 @@ static fp3_status note_near(fp3_engine *engine, const fp3_ranked *self, const fp
         for (uint32_t i = 0; i < count; i++)
             p.word[k][i] = p.word[k][some[i]]; /* some[i] >= i */
     if (count)
-        status = fp3_positions_pairs(engine, rule, &p, count, &begin, &other);
+        status = fp3_positions_pairs(&p, rule, count, &begin, &other, engine->def.error);
     for (uint32_t i = 0; !status && i < count; i++)
         for (uint32_t e = begin[i]; e < begin[i + 1]; e++)
             note(self, place, n, some[i], some[other[e]]);

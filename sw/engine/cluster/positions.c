@@ -30,20 +30,3 @@ fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3
     }
     return status;
 }
-
-fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,
-                               const fp3_positions *p, uint32_t objects, uint32_t **begin,
-                               uint32_t **other) {
-    fp3_near_rule of = fp3_near_without_list(rule);
-    fp3_where_they_are now = {.stride = 1, .objects = objects, .dimensions = p->dimensions};
-    for (uint32_t k = 0; k < p->dimensions; k++)
-        now.position[k] = p->word[k];
-    const fp3_status status = fp3_near_make(&of, &now, begin, other, engine->def.error);
-    fp3_near_close(&of);
-    return status;
-}
-
-void fp3_positions_close(fp3_positions *p) {
-    for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++)
-        free(p->word[k]);
-}
