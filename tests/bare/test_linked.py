@@ -128,3 +128,33 @@ def test_an_object_that_goes_too_far_ends_the_list(linked, tmp_path):
     (tmp_path / "ties.csv").write_text("a,b\n", encoding="utf-8")
     done = linked(CROWD.replace("INTEGRATOR", "semi_implicit_euler").replace("OBJECTS", "60").replace("SIDE", "1.0"), 12, roam=(0.03,))
     assert done.returncode == 1 and "has gone farther than 0.03" in done.stderr and not done.stdout
+
+
+# Points in a row; those with `lost` are nowhere for some steps. In the middle of the run others jump, so lists are made while some have no position.
+LOST = """model lost "points that come back from nowhere"
+param kick = 0
+state lost = 0
+state y = 0
+state x = 0
+state n = 0
+near close(x, 0.125)
+step 0.0078125
+q = lost*lost
+y' = 0.25
+x' = 0.25
+lost' = 0
+n' = sum(o in close: 1)
+project x = y + (WHEN ? GONE : 0) + (t > 0.03 ? kick : 0)
+"""
+NOWHERE = """program = "lost.ode"; integrator = "euler"; objects = 100; spread = { x = [0.0, 3.0]; y = [0.0, 3.0]; };
+           only = ( { objects = "10..40"; set = { lost = 1e30; }; }, { objects = "60..62"; set = { kick = 0.03; }; } );"""
+SHORT, LONG = "t < 0.03", "t < 0.03 ? 0 : t < 0.05"
+
+
+@pytest.mark.parametrize("when, gone, roam, since, said", [
+    (LONG, "q - q", 0.07, 0, ""), (LONG, "q - q", 1e30, 0, ""), (SHORT, "q - q", 0.07, 2, "gone farther"), (SHORT, "q - q", 1e30, 2, "gone farther"), (SHORT, "q", 0.07, 2, "gone farther"), (SHORT, "q", 1e30, 2, "gone farther")])
+def test_an_object_that_comes_from_nowhere_has_moved(linked, tmp_path, when, gone, roam, since, said):
+    """A NaN or infinite position is near nobody, so the lists made then do not have the object."""
+    (tmp_path / "lost.ode").write_text(LOST.replace("WHEN", when).replace("GONE", gone), encoding="utf-8")
+    done = linked(NOWHERE, 8, roam=(roam, since))
+    assert done.returncode == (1 if said else 0) and said in done.stderr, done.stderr

@@ -69,3 +69,38 @@ def test_a_list_without_room_is_told(script, steps, message):  # noqa: F811
              "near touch 0.1 0.02 x_x x_y x_z", f"go {steps}"]
     said = script(BALLS, lines, "rtl@world_keep", "euler")
     assert message in said[0] and "neighbours in a list: the store of configuration 'world_keep' has room for so many" in said[0], said
+
+
+# Points in a row. From step 4 to 6 some have NaN as their position; others jump meanwhile, so lists are made.
+LOST = """model lost "points that come back from nowhere"
+param kick = 0
+state lost = 0
+state y = 0
+state x = 0
+state n = 0
+near close(x, 0.125)
+step 0.0078125
+q = lost*lost
+y' = 0.25
+x' = 0.25
+lost' = 0
+n' = sum(o in close: 1)
+project x = y + (t < 0.03 ? 0 : t < 0.05 ? q - q : 0) + (t > 0.03 ? kick : 0)
+"""
+NOWHERE = """steps = 8;
+groups = ( { program = "lost.ode"; integrator = "euler"; objects = 100; spread = { x = [0.0, 3.0]; y = [0.0, 3.0]; };
+             only = ( { objects = "10..40"; set = { lost = 1e30; }; }, { objects = "60..62"; set = { kick = 0.03; }; } ); } );
+"""
+
+
+def test_an_object_that_comes_from_nowhere_has_moved(fp3, tmp_path):
+    """Nobody is near a NaN, so the lists made then do not have the object."""
+    (tmp_path / "lost.ode").write_text(LOST)
+    (tmp_path / "lost.scene").write_text(NOWHERE)
+
+    def words(engine):
+        done = subprocess.run([fp3, "run", "--scene", "lost.scene", "-c", "world_keep", "--engine", engine, "--all", "--allow-failures"], cwd=tmp_path, capture_output=True, text=True,
+                              timeout=120)
+        assert done.returncode == 0, done.stderr
+        return [line for line in done.stdout.splitlines() if "  object " in line]
+    assert len(words("rtl")) == 500 and words("rtl") == words("isa")

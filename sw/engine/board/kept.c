@@ -16,10 +16,10 @@
 #define REGISTERS_LEAST 32 /* `hold` counts words below it */
 
 /* Which constant: the square of how far a list reaches, below 0; of how far an object may move; how
- * many entries a list has room for. */
-enum { REACH, MOVED, ROOM };
+ * many entries a list has room for; FP3_NEAR_NOWHERE. */
+enum { REACH, MOVED, ROOM, NOWHERE };
 
-_Static_assert(ROOM + 1 == FP3_KEPT_CONSTANTS, "each has its place");
+_Static_assert(NOWHERE + 1 == FP3_KEPT_CONSTANTS, "each has its place");
 
 static fp3_members *group_of(const fp3_engine *engine) { return &engine->layout.groups[0]; }
 
@@ -117,7 +117,8 @@ static added make_added(const fp3_config *config, const fp3_own_list *kept) {
                             .source = kept->all,
                             .moved = constant(kept, MOVED),
                             .reach = constant(kept, REACH),
-                            .room = constant(kept, ROOM)};
+                            .room = constant(kept, ROOM),
+                            .nowhere = constant(kept, NOWHERE)};
     memcpy(names.at, rule->regs, sizeof names.at);
     memcpy(names.made, kept->made, sizeof names.made);
     fp3_near_code check, renew;
@@ -166,6 +167,7 @@ static fp3_status write_constants(fp3_engine *engine, const fp3_own_list *kept) 
         [REACH] = fp3_near_reached(rule),
         [MOVED] = fp3_near_moved(rule->skin / 2),
         [ROOM] = kept->room,
+        [NOWHERE] = FP3_NEAR_NOWHERE,
     };
     return fp3_memory_write(
         engine, (fp3_cells){FP3_CELLS_CONSTANT, 0, kept->constant, FP3_KEPT_CONSTANTS}, words);
@@ -239,7 +241,8 @@ static fp3_status install_object(fp3_engine *engine, const fp3_own_list *kept, u
     for (uint32_t turn = 0; !status && turn < length; turn++)
         status = fp3_memory_put_word(engine, 0, place + turn, fp3_list_entry(list, object, turn));
     for (uint32_t k = 0; !status && k < list->near.dimensions; k++)
-        status = fp3_memory_put_word(engine, 0, record + kept->made[k], list->near.made[k][object]);
+        status = fp3_memory_put_word(engine, 0, record + kept->made[k],
+                                     fp3_near_made(list->near.made[k][object]));
     if (!status)
         status =
             fp3_memory_put_word(engine, 0, record + kept->all,

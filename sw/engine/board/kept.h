@@ -12,7 +12,7 @@
 
 #include "engine/common/luggage.h"
 
-#define FP3_KEPT_CONSTANTS 3
+#define FP3_KEPT_CONSTANTS 4
 
 typedef struct {
     const fp3_list *list; /* NULL: the host makes lists */

@@ -2,6 +2,7 @@
 /* near_code.c - see near_code.h. */
 #include "near_code.h"
 
+#include <float.h>
 #include <fp3/isa.h>
 
 #define BIT(reg) (UINT64_C(1) << (reg))
@@ -69,8 +70,8 @@ void fp3_near_renew(const fp3_near_names *names, uint32_t registers, fp3_near_co
     put(code, FP3_OP_LD, names->source, 0, 0, 0);
     for (uint32_t k = 0; k < names->dimensions; k++)
         put(code, FP3_OP_LD, names->at[k], 0, 0, 0);
-    for (uint32_t k = 0; k < names->dimensions; k++) /* as it is */
-        put(code, FP3_OP_MAX, names->made[k], names->at[k], names->at[k], 0);
+    for (uint32_t k = 0; k < names->dimensions; k++) /* as it is; of a NaN the second one */
+        put(code, FP3_OP_MAX, names->made[k], names->at[k], names->nowhere, 0);
     put(code, FP3_OP_EACH, names->source, 0, 0, 0);
     for (uint32_t k = 0; k < names->dimensions; k++)
         put(code, FP3_OP_SUBN, temp[k], names->at[k], names->at[k], 0);
@@ -92,7 +93,7 @@ static uint32_t bits(double value) {
 
 uint32_t fp3_near_moved(double distance) {
     const double moved = distance * (1 - FP3_NEAR_ROUNDING);
-    return bits(moved * moved);
+    return bits(fmin(moved * moved, FLT_MAX));
 }
 
 uint32_t fp3_near_reached(const fp3_near_rule *rule) {

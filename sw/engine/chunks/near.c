@@ -12,7 +12,7 @@
 
 /* Which constant: see near_code.h. An object may move half the skin before its list is made again.
  */
-enum { REACH, MOVED, ROAM, ROOM, CONSTANTS };
+enum { REACH, MOVED, ROAM, ROOM, NOWHERE, CONSTANTS };
 
 static fp3_status read_places(fp3_chunks_maker *m) {
     fp3_chunks_near *near = &m->near;
@@ -124,6 +124,7 @@ void fp3_chunks_near_name(fp3_chunks_maker *m) {
     near->names.moved = FP3_BANK_SHARED_BASE + near->constant + MOVED;
     near->names.reach = FP3_BANK_SHARED_BASE + near->constant + REACH;
     near->names.room = FP3_BANK_SHARED_BASE + near->constant + ROOM;
+    near->names.nowhere = FP3_BANK_SHARED_BASE + near->constant + NOWHERE;
 }
 
 /* ---- in memory ---- */
@@ -141,6 +142,7 @@ fp3_status fp3_chunks_near_set(fp3_chunks_maker *m, uint32_t *constants) {
     constants[near->constant + MOVED] = fp3_near_moved(near->rule.skin / 2);
     constants[near->constant + ROAM] = fp3_near_moved(near->roam);
     constants[near->constant + ROOM] = near->room;
+    constants[near->constant + NOWHERE] = FP3_NEAR_NOWHERE;
     return FP3_OK;
 }
 
@@ -155,7 +157,8 @@ static uint32_t put_places(fp3_chunks_maker *m) {
     const uint32_t at = fp3_chunks_put(m, NULL, cut->objects * places->dimensions);
     for (uint32_t i = 0; i < cut->objects && !m->is_full; i++)
         for (uint32_t k = 0; k < places->dimensions; k++)
-            m->chunks->memory[at + i * places->dimensions + k] = places->word[k][cut->object[i]];
+            m->chunks->memory[at + i * places->dimensions + k] =
+                fp3_near_made(places->word[k][cut->object[i]]);
     return at;
 }
 
