@@ -150,6 +150,23 @@ static uint64_t hash_after(linked *l, uint32_t steps) {
 
 /* ---- the hardware makes the steps ---- */
 
+/* The status of the last run tells why a list of transfers has been refused. */
+static void end_refused(alone *a, const linked_run *run) {
+    const uint32_t done = 1u << FP3_STATUS_DONE_LO, raised = 1u << FP3_STATUS_RAISED_LO;
+    uint32_t word = 0;
+    NEED(!fp3_rtl_transfer_one(a->hardware.ops, a->rtl, 0, FP3_ADDR_STATUS, &word));
+    if (word >> FP3_STATUS_NO_ROOM_LO & 1)
+        fprintf(stderr, "alone: a list of near objects has no room: fewer steps\n");
+    else if (word == (done | raised))
+        fprintf(stderr,
+                "alone: an object has gone farther than %g: fewer steps, or a larger ROAM\n",
+                run->roam);
+    else
+        fprintf(stderr, "alone: the hardware refuses the list of transfers, status %" PRIu32 "\n",
+                word);
+    exit(1);
+}
+
 void measure_linked(const char *config, const linked_run *run, uint32_t rate, uint32_t latency) {
     const uint32_t steps = run->steps;
     fp3_bare_moved how;
@@ -164,13 +181,8 @@ void measure_linked(const char *config, const linked_run *run, uint32_t rate, ui
     NEED(!fp3_bare_move_list(&a.fp3, chunks->list));
     const uint64_t accesses = a.accesses;
     const fp3_status status = fp3_bare_move_wait(&a.fp3, POLLS, &how);
-    if (status == FP3_E_SYSTEM && how == FP3_BARE_REFUSED && run->roam > 0) {
-        fprintf(stderr,
-                "alone: an object has gone farther than %g, or a list has no room: fewer steps, or "
-                "a larger ROAM\n",
-                run->roam);
-        exit(1);
-    }
+    if (status == FP3_E_SYSTEM && how == FP3_BARE_REFUSED)
+        end_refused(&a, run);
     NEED(!status && how == FP3_BARE_MOVED);
     const double cycles = (double)(alone_now(&a) - begin) / steps;
     const uint64_t between = a.accesses - accesses;

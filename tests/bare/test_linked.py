@@ -127,7 +127,24 @@ def test_lists_of_near_objects_are_made_beyond_the_store(linked, tmp_path, integ
 def test_an_object_that_goes_too_far_ends_the_list(linked, tmp_path):
     (tmp_path / "ties.csv").write_text("a,b\n", encoding="utf-8")
     done = linked(CROWD.replace("INTEGRATOR", "semi_implicit_euler").replace("OBJECTS", "60").replace("SIDE", "1.0"), 12, roam=(0.03,))
-    assert done.returncode == 1 and "has gone farther than 0.03" in done.stderr and not done.stdout
+    assert done.returncode == 1 and "has gone farther than 0.03:" in done.stderr and not done.stdout
+
+
+# All come together in one place.
+CROWDED = """model crowd "points that fall into the middle"
+state x = 0
+state n = 0
+near close(x, 0.1)
+step 0.0078125
+x' = -20*x
+n' = sum(o in close: 1)
+"""
+
+
+def test_a_list_without_room_ends_the_list(linked, tmp_path):
+    (tmp_path / "crowd.ode").write_text(CROWDED, encoding="utf-8")
+    done = linked('program = "crowd.ode"; integrator = "euler"; objects = 60; spread = { x = [-1.0, 1.0]; };', 30, roam=(1.5,))
+    assert done.returncode == 1 and "a list of near objects has no room" in done.stderr and not done.stdout, done.stderr
 
 
 # Points in a row; those with `lost` are nowhere for some steps. In the middle of the run others jump, so lists are made while some have no position.

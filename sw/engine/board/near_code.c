@@ -6,7 +6,7 @@
 #include <fp3/isa.h>
 
 #define BIT(reg) (UINT64_C(1) << (reg))
-#define SQUARES 1e-6 /* how much farther a bound is than its square in FP32 */
+#define SQUARES 1e-6 /* a share: squares and their sums in FP32 are wrong by less */
 
 const fp3_list *fp3_near_code_list(const fp3_lists *lists) {
     const fp3_list *found = NULL;

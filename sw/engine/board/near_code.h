@@ -15,7 +15,7 @@ typedef struct {
     uint32_t made[FP3_NEAR_DIMENSIONS]; /* where it was when the list was made */
     uint32_t list, source; /* words of the list, and of one that has everybody who may be near */
     uint32_t moved;        /* constant: the square of how far an object may move */
-    uint32_t reach;        /* constant: that of how far the list reaches, below 0 */
+    uint32_t reach;        /* constant: minus the square of how far the list reaches */
     uint32_t room;         /* constant: how many entries the list has room for */
     uint32_t nowhere;      /* constant: FP3_NEAR_NOWHERE */
 } fp3_near_names;

@@ -17,9 +17,10 @@
  * words of a step. Each start clears `flags`, so after the list it tells of the last chunk's phase
  * alone. Lists of near objects are made by the hardware; if an object goes too far for that, or a
  * list has no room, the list of transfers ends with FP3_BARE_REFUSED. Then memory has states of
- * some step, and the engine those before the first: the caller makes fewer steps, or lets objects
- * roam farther. The last transfer enables the interrupt, whose `ended` the last run has set: `irq`
- * rises when all steps are made, if it was disabled before. After an error of the list it does not.
+ * some step, and the engine those before the first: the caller makes fewer steps. If `raised` in
+ * `status` is 1 and `no_room` is 0, it may let objects roam farther instead. The last transfer
+ * enables the interrupt, whose `ended` the last run has set: `irq` rises when all steps are made,
+ * if it was disabled before. After an error of the list it does not.
  */
 #ifndef FP3_CHUNKS_H
 #define FP3_CHUNKS_H

@@ -29,8 +29,8 @@ static fp3_status read_places(fp3_chunks_maker *m) {
     return status;
 }
 
-/* As long a list as there is now, and half as long again: objects come and go. The hardware ends if
- * that is too little. */
+/* Room for the longest list of now, and half as many entries again, as objects come nearer. If that
+ * is too little, the hardware ends the run. */
 static fp3_status find_room(fp3_chunks_maker *m) {
     const uint32_t objects = m->group->objects;
     uint32_t *begin = NULL, *other = NULL, longest = 0;
@@ -59,7 +59,7 @@ fp3_status fp3_chunks_near_open(fp3_chunks_maker *m, double roam) {
     if (!near->list)
         return FP3_OK;
     near->rule = fp3_near_without_list(&near->list->near);
-    if (!(roam > 0))
+    if (!(roam > 0 && isfinite(roam)))
         return fp3_fail(m->error, FP3_E_ARGUMENT,
                         "objects in chunks: near objects need a distance above 0 that they may go");
     fp3_near_rule wide = near->rule;

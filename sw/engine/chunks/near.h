@@ -2,16 +2,16 @@
 /* near.h - near objects in chunks: hardware makes their lists of wide ones.
  *
  * A wide list has all that are nearer than the list reaches and twice what an object may roam. So
- * as long as nobody has gone farther than that from where it was, it has all that the list must
- * have.
- */
+ * as long as no object has roamed farther than it may, the wide list has all that the list must
+ * have. */
 #ifndef FP3_CHUNKS_NEAR_H
 #define FP3_CHUNKS_NEAR_H
 
 #include "maker.h"
 
 /* Who may come near whom: m->lists and, where there is a list of near objects, m->near. The caller
- * closes, also after a failure. FP3_E_ARGUMENT: roam is not above 0; FP3_E_SYSTEM: out of memory.
+ * closes, also after a failure. FP3_E_ARGUMENT: roam is not above 0, or infinite; FP3_E_SYSTEM: out
+ * of memory.
  */
 fp3_status fp3_chunks_near_open(fp3_chunks_maker *m, double roam);
 void fp3_chunks_near_close(fp3_chunks_maker *m);

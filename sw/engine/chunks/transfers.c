@@ -77,7 +77,7 @@ static void start(fp3_chunks_maker *m, uint32_t awake) {
     set(m, m->start, FP3_ADDR_CONTROL, 1);
 }
 
-/* Until the run has ended, which must be so. */
+/* Waits until the run has ended. The list ends if status is another word then. */
 static void await(fp3_chunks_maker *m, uint32_t status) {
     describe(m, 0, FP3_ADDR_STATUS, status, FLAG(WAIT));
 }
@@ -118,7 +118,7 @@ static const fp3_chunks_run *near_run(const fp3_chunks_maker *m) {
     return fp3_chunks_run_of(m->chunks, m->near.names.list);
 }
 
-/* All objects compare where they are with where they were: rows of a half, one time after another.
+/* All objects compare where they are with where they were, as many at a time as a half has rows.
  * The list goes on at `raised` if one has moved too far; 0: it ends. */
 static void check(fp3_chunks_maker *m, int from, const fp3_chunks_program *program, uint32_t was,
                   uint32_t raised) {
