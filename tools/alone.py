@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The processor with a memory of its own, simulated: `make alone`.
 
-    tools/alone.py                  all rows: three hours
+    tools/alone.py                  all rows: four hours
     tools/alone.py --quick          the same of a few objects, for the tests
 
 Writes build/results/alone.json, and prints its rows. Exit code 1: a row misses its goal.

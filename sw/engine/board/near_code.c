@@ -39,7 +39,7 @@ static void choose_temporary(const fp3_near_names *names, uint32_t registers, ui
     }
 }
 
-/* A constant, and by op the squares of registers, to the first of these. */
+/* To the first register: the constant, from or to which `op` takes the square of each. */
 static void put_squares(fp3_near_code *code, uint32_t op, const uint32_t *temp, uint32_t dimensions,
                         uint32_t constant) {
     put(code, op, temp[0], temp[0], temp[0], constant);
