@@ -9,7 +9,8 @@
 //                      └──► transfer ───────┘
 //                              ▲ ▼ AXI4
 //
-// Latency   0 from the host's request to the hub, as long as no transfer has its turn. Two from a
+// Latency   One from the host's request to the hub, as long as no transfer has its turn: a request
+//           stands in a register, so no path leads from the host's bus to memory's. Two from a
 //           request for a register of the transfer to its answer; it waits for no turn.
 // Promise   As axi_lite, turns and transfer. All transfers of AXI4 have ID 0, 32 bits, INCR.
 // Hazard    As hub for requests. A register of the transfer is alone.
@@ -84,9 +85,12 @@ module fp3_master #(
 `include "gen/registers.vh"
     localparam OPEN_W = READS_W + 1;                       // all of the transfer's reads, or the host's and its writes
     localparam [ADDRESS_W-1:0] NOWHERE = 1;                // no multiple of 4
+    // The host's request, until it is taken
+    reg                 held_q, ours_q, write_q;
+    reg [ADDRESS_W-1:0] addr_q;
+    reg [31:0]          wdata_q;
     // Registers of the transfer, of whatever scheduler
-    wire [INSIDE-1:0]  local_at = host_addr_i[INSIDE-1:0];
-    wire               ours   = local_at[INSIDE-1:5] == {{INSIDE-16{1'b0}}, ADDR_TRANSFER_MEMORY[15:5]} && local_at[1:0] == 2'd0;
+    wire               ours   = host_addr_i[INSIDE-1:5] == {{INSIDE-16{1'b0}}, ADDR_TRANSFER_MEMORY[15:5]} && host_addr_i[1:0] == 2'd0;
     wire               told, told_write, told_error;
     wire [31:0]        told_rdata;
 
@@ -100,7 +104,7 @@ module fp3_master #(
     assign wrote = wrote_i && moves;
     assign read  = read_i && moves;
     fp3_transfer #(.READS_W(READS_W), .OPEN_W(OPEN_W)) u_transfer (.clk_i(clk_i), .rst_i(rst_i),
-        .ask_i(host_valid_i && ours), .ask_write_i(host_write_i), .ask_register_i(local_at[4:2]), .ask_wdata_i(host_wdata_i),
+        .ask_i(held_q && ours_q), .ask_write_i(write_q), .ask_register_i(addr_q[4:2]), .ask_wdata_i(wdata_q),
         .told_o(told), .told_write_o(told_write), .told_error_o(told_error), .told_rdata_o(told_rdata),
         .req_valid_o(move_valid), .req_ready_i(move_ready), .req_write_o(move_write), .req_place_o(place), .req_wdata_o(move_wdata),
         .answered_i(wrote || read), .answer_error_i(wrote ? write_error_i : read_error_i),
@@ -112,13 +116,16 @@ module fp3_master #(
         .rvalid_i(m_axi_rvalid), .rready_o(m_axi_rready), .rdata_i(m_axi_rdata), .rerror_i(m_axi_rresp[1]));
 
     fp3_turns #(.W(ADDRESS_W + 32), .OPEN_W(OPEN_W)) u_turns (.clk_i(clk_i), .rst_i(rst_i),
-        .host_valid_i(host_valid_i && !ours), .host_ready_o(hub_host), .host_write_i(host_write_i),
-        .host_what_i({host_addr_i, host_wdata_i}),
+        .host_valid_i(held_q && !ours_q), .host_ready_o(hub_host), .host_write_i(write_q), .host_what_i({addr_q, wdata_q}),
         .move_valid_i(move_valid), .move_ready_o(move_ready), .move_streams_i(|(move_addr & STREAM)), .move_write_i(move_write),
         .move_what_i({move_addr, move_wdata}), .moves_o(moves), .open_o(open),
         .req_valid_o(req_valid_o), .req_ready_i(req_ready_i), .req_write_o(req_write_o),
         .req_what_o({req_addr_o, req_wdata_o}), .wrote_i(wrote_i), .read_i(read_i));
-    assign host_ready_o  = ours || hub_host;
+    assign host_ready_o  = !held_q || ours_q || hub_host;
+    always @(posedge clk_i) begin
+        held_q <= (host_valid_i || !host_ready_o) && !rst_i;
+        if (host_ready_o) {ours_q, write_q, addr_q, wdata_q} <= {ours, host_write_i, host_addr_i, host_wdata_i};
+    end
     assign host_wrote_o       = (wrote_i && !moves) || (told && told_write);
     assign host_write_error_o = told ? told_error : write_error_i;
     assign host_read_o        = (read_i && !moves) || (told && !told_write);

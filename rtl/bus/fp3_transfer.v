@@ -91,7 +91,7 @@ module fp3_transfer #(
     reg  [1:0]         word_number_q;  // ... this one is next
     reg                wrong_q;        // ... one was not possible
     reg  [SAID_W-1:0]  said_q;         // ... what the last one says
-    reg                looked_q;       // the descriptor has come, and strays_q is of it
+    reg                rests_q;        // all that was begun is over; of a descriptor, strays_q is of it
     reg                more_q;         // when what is done is over, another descriptor comes
     reg  [31:2]        next_q;         // ... from here
     reg                wait_q, waited_q; // a word of a place is waited for, and has come
@@ -189,11 +189,12 @@ module fp3_transfer #(
     assign arvalid_o = asks && !store_q;
     assign length_o  = length;
 
-    // A load: a word from memory waits here for the processor.
-    reg         full_q;
-    reg  [31:0] word_q;
+    // A load: a word from memory waits here for the processor, and a second one behind it, which was
+    // on its way when the first was not taken.
+    reg         full_q, second_q;
+    reg  [31:0] word_q, second_word_q;
     wire        asked = req_valid_o && req_ready_i;
-    assign rready_o = busy_q && !store_q && (!full_q || failed || asked);
+    assign rready_o = busy_q && !store_q && !second_q;
     wire        reads   = rvalid_i && rready_o;
     wire        fetched = reads && fetch_q;            // a word of a descriptor
 
@@ -225,7 +226,7 @@ module fp3_transfer #(
     wire   denied = answered_i && (answer_error_i || (other && !otherwise_q));
     wire   rests  = bursts_over && owed_q == {OWED_W{1'b0}} && bursts_q == {BURSTS_W+1{1'b0}} && !full_q && !sends_q
                  && open_i == {OPEN_W{1'b0}};
-    assign over   = rests && (failed || (fetch_q ? looked_q : wait_q ? waited_q : !asks_left));
+    assign over   = rests_q && (failed || !wait_q || waited_q);
 
     // The next word of a place
     function [29:0] after(input [29:0] at, input [5:0] left_out);
@@ -234,7 +235,7 @@ module fp3_transfer #(
     endfunction
     wire run_ends = run_left_q == 6'd1, due_ends = due_left_q == 6'd1;
     always @(posedge clk_i) begin
-        if (rst_i) {busy_q, done_q, memory_error_q, refused_q, full_q, sends_q, fetch_q, more_q, again_q} <= 9'd0;
+        if (rst_i) {busy_q, done_q, memory_error_q, refused_q, full_q, second_q, sends_q, fetch_q, more_q, again_q} <= 10'd0;
         else begin
             busy_q <= go || (busy_q && !over);
             if (go) {fetch_q, more_q} <= {fetch, fetch || back || (does && !said_q[TRANSFER_CONTROL_LAST_LO])};
@@ -244,8 +245,9 @@ module fp3_transfer #(
                 done_q <= over && !failed && !fetch_q && !more;
                 if (!failed) {memory_error_q, refused_q} <= {bad, (denied || (over && fetch_q && impossible)) && !bad};
             end
-            full_q  <= (reads && !failed && !fetch_q) || (full_q && !asked && !failed);
-            sends_q <= sends || (sends_q && !wready_i);
+            full_q   <= !failed && (second_q || (full_q && !asked) || (reads && !fetch_q));
+            second_q <= !failed && full_q && !asked && (second_q || (reads && !fetch_q));
+            sends_q  <= sends || (sends_q && !wready_i);
         end
         if (go) begin
             store_q <= !fetch && said[TRANSFER_CONTROL_STORE_LO];
@@ -266,10 +268,11 @@ module fp3_transfer #(
                 endcase
             end
         end
-        if (reads) word_q <= rdata_i;
+        if (!full_q || asked) word_q <= second_q ? second_word_q : rdata_i;
+        if (!second_q)        second_word_q <= rdata_i;
         if (sends) {sent_q, strobe_q, last_q} <= {waiting, !failed, &memory_q[9:2] || words_q == {{WORDS_W-1{1'b0}}, 1'b1}};
         if (!failed) error_q <= bad ? (fetch_q ? next_q + {28'hfffffff, word_number_q} : store_q ? oldest_q : memory_q) : fetch_q ? place_q : due_q;
-        looked_q <= rests && busy_q && fetch_q && !go;
+        rests_q  <= rests && busy_q && !go;
         strays_q <= said_q[TRANSFER_CONTROL_AGAIN_LO] && again_q && again_at_q != next_q;
         if (repeats) {again_left_q, again_at_q} <= {again_left - {{WORDS_W-1{1'b0}}, 1'b1}, next_q};
 

@@ -46,15 +46,17 @@ module fp3_turns #(
     localparam TURN_W = $clog2(TURN);
 
     reg               moves_q, alone_q;
+    reg               wants_q;         // the other one asked in the cycle before
     reg  [TURN_W:0]   made_q;          // requests in this turn, up to TURN
     reg  [OPEN_W-1:0] open_q;
     reg  [2:0]        rest_q;
     wire              still = open_q == {OPEN_W{1'b0}} && rest_q == 3'd0;
     wire              owner = moves_q ? move_valid_i : host_valid_i;
     wire              other = moves_q ? host_valid_i : move_valid_i;
-    wire              spent = made_q[TURN_W] && other;
-    wire              may   = owner && !spent && (!moves_q || (move_streams_i ? !alone_q : still));
-    wire              goes  = may && req_ready_i;
+    wire              spent = made_q[TURN_W] && wants_q;
+    wire              host_may = host_valid_i && !moves_q && !spent;
+    wire              move_may = move_valid_i && moves_q && !spent && (move_streams_i ? !alone_q : still);
+    wire              goes  = (host_may || move_may) && req_ready_i;
     wire              turns = other && still && (spent || !owner);
     always @(posedge clk_i)
         if (rst_i) begin
@@ -64,6 +66,7 @@ module fp3_turns #(
             rest_q             <= 3'd0;
         end else begin
             if (turns) moves_q <= !moves_q;
+            wants_q <= other;
             alone_q <= (goes && moves_q && !move_streams_i) || (alone_q && !still);
             if (turns)                         made_q <= {TURN_W+1{1'b0}};
             else if (goes && !made_q[TURN_W])  made_q <= made_q + 1'b1;
@@ -71,11 +74,11 @@ module fp3_turns #(
             if (wrote_i || read_i)             rest_q <= REST[2:0];
             else if (rest_q != 3'd0)           rest_q <= rest_q - 3'd1;
         end
-    assign req_valid_o  = may;
+    assign req_valid_o  = host_may || move_may;
     assign req_write_o  = moves_q ? move_write_i : host_write_i;
     assign req_what_o   = moves_q ? move_what_i : host_what_i;
-    assign host_ready_o = goes && !moves_q;
-    assign move_ready_o = goes && moves_q;
+    assign host_ready_o = host_may && req_ready_i;
+    assign move_ready_o = move_may && req_ready_i;
     assign moves_o      = moves_q;
     assign open_o       = open_q;
 endmodule

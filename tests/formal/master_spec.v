@@ -63,8 +63,14 @@ module master_spec #(
 
     // The map: eight words from 0x2800 on, of whatever scheduler
     wire        ours   = host_addr_i[INSIDE-1:0] >= 'h2800 && host_addr_i[INSIDE-1:0] < 'h2820 && host_addr_i[1:0] == 2'd0;
-    wire        asks   = host_valid_i && ours && host_ready;
-    wire        host   = host_valid_i && !ours && host_ready;
+    wire        accepted = host_valid_i && host_ready;
+
+    // The host's request that is taken, and waits for the hub; or is for the transfer
+    reg                 held_q, ours_q, write_q;
+    reg [ADDRESS_W-1:0] addr_q;
+    reg [31:0]          wdata_q;
+    wire        asks   = held_q && ours_q;
+    wire        host   = held_q && !ours_q && req_valid && req_ready_i && !move;
 
     reg [OPEN_W:0] hw_q, hr_q, mw_q, mr_q;
     wire [OPEN_W+2:0] total = hw_q + hr_q + mw_q + mr_q;
@@ -72,11 +78,13 @@ module master_spec #(
     always @(posedge clk_i) begin
         {started_q, reset_q} <= {1'b1, rst_i};
         asked_q       <= asks && !rst_i;
-        asked_write_q <= host_write_i;
+        asked_write_q <= write_q;
+        held_q        <= !rst_i && (accepted || (held_q && !asks && !host));
+        if (accepted) {ours_q, write_q, addr_q, wdata_q} <= {ours, host_write_i, host_addr_i, host_wdata_i};
         if (rst_i) {hw_q, hr_q, mw_q, mr_q} <= {4*(OPEN_W+1){1'b0}};
         else begin
-            hw_q <= hw_q + (host && host_write_i)  - (wrote_i && hw_q != 0);
-            hr_q <= hr_q + (host && !host_write_i) - (read_i && hr_q != 0);
+            hw_q <= hw_q + (host && write_q)  - (wrote_i && hw_q != 0);
+            hr_q <= hr_q + (host && !write_q) - (read_i && hr_q != 0);
             mw_q <= mw_q + (move && move_write)    - (wrote_i && mw_q != 0);
             mr_q <= mr_q + (move && !move_write)   - (read_i && mr_q != 0);
         end
@@ -86,8 +94,8 @@ module master_spec #(
         assume (!wrote_i || (started_q && (hw_q != 0 || mw_q != 0)));
         assume (!read_i || (started_q && (hr_q != 0 || mr_q != 0)));
         assume (!req_ready_i || total < (1 << OPEN_W) - 1);
-        assume (!(host_valid_i && ours) || (hw_q == 0 && hr_q == 0));         // alone
-        assume (!asked_q || !host_valid_i);
+        assume (!(host_valid_i && ours) || (hw_q == 0 && hr_q == 0 && !held_q));      // alone
+        assume (!(asks || asked_q) || !host_valid_i);
     end
     wire error_of = wrote_i && mw_q != 0 ? write_error_i : read_error_i;
     always @* if (started_q && !reset_q) begin
@@ -100,16 +108,16 @@ module master_spec #(
             if (host_wrote) assert (host_write_error == write_error_i);
             if (host_read)  assert (host_read_error == read_error_i && host_rdata == rdata_i);
         end
-        if (host_valid_i && ours) assert (host_ready);                        // waits for no turn
+        assert (host_ready == !(held_q && !asks && !host));                   // one waits for its turn, a register of the transfer for none
         assert (\u_master.u_transfer.ask_i == asks);
-        if (asks) assert (\u_master.u_transfer.ask_write_i == host_write_i && \u_master.u_transfer.ask_register_i == host_addr_i[4:2]
-                          && \u_master.u_transfer.ask_wdata_i == host_wdata_i);
+        if (asks) assert (\u_master.u_transfer.ask_write_i == write_q && \u_master.u_transfer.ask_register_i == addr_q[4:2]
+                          && \u_master.u_transfer.ask_wdata_i == wdata_q);
         // The transfer likewise
         assert (\u_master.u_transfer.answered_i == ((wrote_i && mw_q != 0) || (read_i && mr_q != 0)));
         if (\u_master.u_transfer.answered_i ) assert (\u_master.u_transfer.answer_error_i == error_of && \u_master.u_transfer.answer_rdata_i == rdata_i);
         // The hub is asked what was asked for; of a place that has too many bits, nothing that is there
-        assert ((req_valid && req_ready_i) == (host || move) && !(host && move));
-        if (host) assert (req_write == host_write_i && req_addr == host_addr_i && (!req_write || req_wdata == host_wdata_i));
+        assert ((req_valid && req_ready_i) == (host || move));
+        if (host) assert (req_write == write_q && req_addr == addr_q && (!req_write || req_wdata == wdata_q));
         if (move) begin
             assert (req_write == move_write && (!req_write || req_wdata == \u_master.u_transfer.req_wdata_o ));
             if (bytes < (1 << ADDRESS_W)) assert (req_addr == bytes[ADDRESS_W-1:0]);
@@ -131,6 +139,9 @@ module master_spec #(
 
     (* hierconn *) wire              \u_master.u_turns.moves_q , \u_master.u_turns.alone_q ;
     (* hierconn *) wire [OPEN_W-1:0] \u_master.u_turns.open_q ;
+    (* hierconn *) wire              \u_master.held_q , \u_master.ours_q , \u_master.write_q ;
+    (* hierconn *) wire [ADDRESS_W-1:0] \u_master.addr_q ;
+    (* hierconn *) wire [31:0]       \u_master.wdata_q ;
     (* hierconn *) wire              \u_master.u_transfer.asked_q , \u_master.u_transfer.told_q , \u_master.u_transfer.write_q ;
     generate
         if (LEMMAS != 0) begin : g_lemmas
@@ -140,7 +151,10 @@ module master_spec #(
                 if (mw_q != 0 || mr_q != 0) assert (\u_master.u_turns.moves_q && hw_q == 0 && hr_q == 0 && (mw_q != 0) == \u_master.u_transfer.asked_q
                                                     && (mr_q != 0) == !\u_master.u_transfer.asked_q );
                 assert (\u_master.u_transfer.told_q == asked_q && (!asked_q || \u_master.u_transfer.write_q == asked_write_q));
-                if (asked_q) assert (hw_q == 0 && hr_q == 0);
+                if (asked_q) assert (hw_q == 0 && hr_q == 0 && !held_q);
+                assert (\u_master.held_q == held_q);
+                if (held_q) assert ({\u_master.ours_q , \u_master.write_q , \u_master.addr_q , \u_master.wdata_q } == {ours_q, write_q, addr_q, wdata_q});
+                if (asks) assert (hw_q == 0 && hr_q == 0);
             end
         end
     endgenerate

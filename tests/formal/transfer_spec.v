@@ -265,11 +265,11 @@ module transfer_spec #(
             if (wait_q) assert (open == 0 && !came_q);
         end
         assert (bready);
-        if (due_q != 0 && !store_q && !rready) assert (req_valid && !req_ready_i);
+        if (due_q != 0 && !store_q && !rready) assert (load && (moved_q - asked_q == 2 || failed) && !failed_2_q);    // two words wait
         // A part is over
         if (over) begin
             assert (due_q == 0 && burst_q == response_q || (due_q == 0 && !store_q));
-            assert (open == 0 && !awvalid && !arvalid && !wvalid && !req_valid);
+            assert (open_q == 0 && !awvalid && !arvalid && !wvalid && !req_valid);
             if (!failed) begin
                 assert (left_q == 0 && (wait_q || moved_q == size_q));
                 if (load || store_q) assert (asked_q == size_q && answered_q == size_q);
@@ -288,23 +288,23 @@ module transfer_spec #(
     (* hierconn *) wire \u_transfer.busy_q , \u_transfer.fetch_q , \u_transfer.store_q , \u_transfer.wait_q , \u_transfer.stay_q , \u_transfer.more_q ;
     (* hierconn *) wire \u_transfer.done_q , \u_transfer.memory_error_q , \u_transfer.refused_q , \u_transfer.wrong_q , \u_transfer.waited_q ;
     (* hierconn *) wire \u_transfer.otherwise_q , \u_transfer.elsewhere_q ;
-    (* hierconn *) wire \u_transfer.full_q , \u_transfer.sends_q , \u_transfer.strobe_q , \u_transfer.last_q ;
+    (* hierconn *) wire \u_transfer.full_q , \u_transfer.second_q , \u_transfer.sends_q , \u_transfer.strobe_q , \u_transfer.last_q ;
     (* hierconn *) wire [1:0]   \u_transfer.word_number_q ;
     (* hierconn *) wire [5:0]   \u_transfer.bursts_q , \u_transfer.run_q , \u_transfer.skip_q , \u_transfer.run_left_q , \u_transfer.due_left_q ;
     (* hierconn *) wire [21:0]  \u_transfer.said_q ;
-    (* hierconn *) wire         \u_transfer.looked_q , \u_transfer.strays_q , \u_transfer.again_q ;
+    (* hierconn *) wire         \u_transfer.rests_q , \u_transfer.strays_q , \u_transfer.again_q ;
     (* hierconn *) wire [31:2]  \u_transfer.again_at_q , \u_transfer.due_q ;
     (* hierconn *) wire [C-1:0] \u_transfer.again_left_q ;
     (* hierconn *) wire [9:0]   \u_transfer.owed_q ;
     (* hierconn *) wire [31:2]  \u_transfer.error_q , \u_transfer.next_q , \u_transfer.memory_q , \u_transfer.place_q , \u_transfer.oldest_q ;
     (* hierconn *) wire [31:2]  \u_transfer.u_bursts.address_q ;
     (* hierconn *) wire [C-1:0] \u_transfer.words_q , \u_transfer.ask_left_q , \u_transfer.u_bursts.left_q ;
-    (* hierconn *) wire [31:0]  \u_transfer.word_q , \u_transfer.sent_q ;
+    (* hierconn *) wire [31:0]  \u_transfer.word_q , \u_transfer.second_word_q , \u_transfer.sent_q ;
     (* hierconn *) wire         \u_transfer.u_answers.room_q , \u_transfer.u_bursts.valid_q ;
     (* hierconn *) wire [7:0]   \u_transfer.u_bursts.length_q ;
     (* hierconn *) wire [READS_W:0] \u_transfer.u_answers.gone_q , \u_transfer.u_answers.filled_q , \u_transfer.u_answers.taken_q ;
     (* hierconn *) wire [32*N-1:0]  \u_transfer.u_answers.values ;
-    wire               sends = \u_transfer.sends_q , full = \u_transfer.full_q ;
+    wire               sends = \u_transfer.sends_q , full = \u_transfer.full_q , second = \u_transfer.second_q ;
     wire [C-1:0]       sent  = moved_q + sends;            // words that have left the answers
     wire [READS_W:0]   kept    = \u_transfer.u_answers.gone_q - \u_transfer.u_answers.taken_q ;
     wire [READS_W:0]   filled  = \u_transfer.u_answers.filled_q - \u_transfer.u_answers.taken_q ;
@@ -314,7 +314,8 @@ module transfer_spec #(
     wire [7:0]         low_k   = base_q[9:2] + k[7:0];
     // Cycles that are left until something happens, this one included
     wire         bare = \u_transfer.u_bursts.left_q != 0 || full;
-    wire [2:0]   rest = !over_said ? (failed && bare ? 3'd2 : fetch_q && moved_q == 4 ? 3'd4 : 3'd1) : failed || (fetch_q && wrong_q) ? 3'd1 : fetch_q ? 3'd3 : more ? 3'd2 : 3'd1;
+    wire [2:0]   rest = !over_said ? (failed ? (bare ? 3'd3 : 3'd2) : fetch_q && moved_q == 4 ? 3'd5 : bare ? 3'd1 : 3'd3)
+                                   : failed || (fetch_q && (wrong_q || strays)) ? 3'd1 : fetch_q ? 3'd4 : more ? 3'd2 : 3'd1;
     generate
         if (LEMMAS != 0) begin : g_lemmas
             always @* if (started_q) begin
@@ -332,7 +333,7 @@ module transfer_spec #(
                 if (failed)       assert (\u_transfer.error_q == error_q);
                 assert (!fetch_q || (next_set_q && next_q == base_q + 30'd4) || !busy_q);
                 if (!busy_q) begin
-                    assert (!full && !sends && !awvalid && !arvalid && due_q == 0 && open_q == 0 && closed_q == response_q);
+                    assert (!full && !second && !sends && !awvalid && !arvalid && due_q == 0 && open_q == 0 && closed_q == response_q);
                     assert (\u_transfer.u_bursts.left_q == 0 && (\u_transfer.owed_q == 0 || reset_q));
                 end
                 if (reset_q) assert (!busy_q && !failed && filled == 0 && bursts_of_q == 0 && moved_q == 0 && asked_q == 0);
@@ -363,15 +364,23 @@ module transfer_spec #(
                     // The processor
                     if (!fetch_q) assert (\u_transfer.due_q == answer_place_q && \u_transfer.run_q == run_q && \u_transfer.skip_q == skip_q
                                           && \u_transfer.run_left_q == run_left_q && \u_transfer.due_left_q == due_left_q);
-                    if (fetch_q && \u_transfer.looked_q ) assert (due_q == 0 && moved_q != 0 || failed);
-                    if (fetch_q && \u_transfer.looked_q && !failed) assert (moved_q == 4 && \u_transfer.strays_q == strays);
+                    if (\u_transfer.rests_q ) begin
+                        assert (left_q == 0 || failed);
+                        assert (!awvalid && !arvalid && \u_transfer.u_bursts.left_q == 0 && due_q == 0 && burst_q - response_q == (store_q ? 0 : burst_q) && !full && !sends);
+                        if (fetch_q) assert (moved_q != 0 || failed);
+                        if (!failed && !wait_q) assert (moved_q == size_q && (fetch_q || (asked_q == size_q && answered_q == size_q)));
+                        if (fetch_q && !failed) assert (\u_transfer.strays_q == strays);
+                        if (!wait_q || came_q) assert (open_q == 0);
+                    end
                     if (load || store_q) assert (asked_q <= size_q && answered_q <= asked_q && asked_q - answered_q == open_q && \u_transfer.ask_left_q == size_q - asked_q);
                     // A load
                     assert (\u_transfer.owed_q == (store_q ? due_q - sends : due_q));
-                    if (load) assert (asked_q <= moved_q && (failed || moved_q == asked_q + full));
+                    if (load) assert (asked_q <= moved_q && (failed || moved_q == asked_q + full + second));
                     if (load) assert (there_q == (moved_q > k));
                     if (load && there_q && bad_q) assert (failed);
+                    assert (!second || full);
                     if (load && full && !failed && asked_q == k) assert (\u_transfer.word_q == kept_q);
+                    if (load && second && !failed && asked_q + ONE == k) assert (\u_transfer.second_word_q == kept_q);
                     // A store
                     if (store_q) begin
                         assert (!full && \u_transfer.bursts_q == burst_q - response_q && burst_q - response_q <= 32 && response_q <= closed_q && closed_q <= burst_q);

@@ -92,7 +92,7 @@ module turns_spec #(
     end
 
     localparam TURN_W = $clog2(TURN);
-    (* hierconn *) wire              \u_turns.alone_q ;
+    (* hierconn *) wire              \u_turns.alone_q , \u_turns.wants_q ;
     (* hierconn *) wire [TURN_W:0]   \u_turns.made_q ;
     (* hierconn *) wire [2:0]        \u_turns.rest_q ;
     wire [W-1:0] made = \u_turns.made_q ;
@@ -108,9 +108,10 @@ module turns_spec #(
                 assert (host_passed_q <= (moves ? made : {W{1'b0}}) || (!moves && made == 0));
                 assert (move_passed_q <= (moves ? {W{1'b0}} : made) || (moves && made == 0));
                 assert (last_q == moves || made == 0);
+                if (made != 0 && (moves ? host_passed_q : move_passed_q) != 0) assert (\u_turns.wants_q );
                 // Cycles that are left until who waits may ask
-                assert (host_waits_q + (moves ? rest_q + \u_turns.alone_q + 1 : made == TURN_R ? rest_q + 2 : 0) <= BOUND);
-                assert (move_waits_q + (moves ? rest_q + \u_turns.alone_q + (made == TURN_R ? 2 : 0) : rest_q + 1) <= BOUND);
+                assert (host_waits_q + (moves ? rest_q + \u_turns.alone_q + 1 : made == TURN_R && \u_turns.wants_q ? rest_q + 2 : 0) <= BOUND);
+                assert (move_waits_q + (moves ? rest_q + \u_turns.alone_q + (made == TURN_R && (\u_turns.wants_q || rest_q != 0 || \u_turns.alone_q ) ? 2 : 0) : rest_q + 1) <= BOUND);
             end
         end
     endgenerate

@@ -42,7 +42,8 @@ class Hub:
             dut.req_ready_i.value = int(self.chance.random() >= self.waits)
             await FallingEdge(dut.clk_i)
             if dut.req_valid_o.value == 1 and dut.req_ready_i.value == 1:
-                self.take(dut.req_write_o.value == 1, dut.req_addr_o.value.integer, dut.req_wdata_o.value.integer)
+                write = dut.req_write_o.value == 1
+                self.take(write, dut.req_addr_o.value.integer, dut.req_wdata_o.value.integer if write else 0)
             await RisingEdge(dut.clk_i)
             self.cycle += 1
 
@@ -149,7 +150,7 @@ class Bench:
             await RisingEdge(dut.clk_i)
             if taken:
                 break
-        dut.host_valid_i.value = 0
+        dut.host_valid_i.value, dut.host_write_i.value, dut.host_addr_i.value, dut.host_wdata_i.value = 0, 1, STREAM, 0   # it stood for long enough
         while True:
             await ReadOnly()
             answer = [getattr(dut, f"host_{name}_o").value.integer for name in ("wrote", "write_error", "read", "read_error", "rdata")]
