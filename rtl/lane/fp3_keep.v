@@ -8,7 +8,7 @@
 //           length is then all ones, which no other list has.
 //
 //           cycle    0               2                   3                        4
-//           keep     keep_i          own_i2_i, away..    list_i3_i, write_o ..    list_i4_o, no_room_o
+//           keep     keep_i          away_i2_i           list_i3_i, write_o ..    list_i4_o, no_room_o
 //           cycle    R+3 = 3 - AHEAD
 //           row      other_r3_i
 //
@@ -29,8 +29,7 @@ module fp3_keep #(
     input  wire                first_i,        // of `keep`: the loop's first turn
     input  wire [ROW_W-1:0]    other_r3_i,     // R+3: the neighbour's row
     // 2
-    input  wire [ROW_W-1:0]    own_i2_i,       // the object's row
-    input  wire                away_i2_i,      // there is no object, or no neighbour
+    input  wire                away_i2_i,      // there is no object, or no other one
     // 3
     input  wire [31:0]         list_i3_i,      // the list's word; of `raise`: the condition
     input  wire [31:0]         room_i3_i,
@@ -47,14 +46,13 @@ module fp3_keep #(
 `include "gen/registers.vh"
     wire                keep_i3, raise_i3, first_i3;
     wire [ROW_W-1:0]    other_i3;
-    reg  [ROW_W-1:0]    own_q;                              // 3
-    reg                 away_q;
+    reg                 away_q;                             // 3
     fp3_delay #(.W(3), .N(3)) u_i3 (.clk_i(clk_i), .rst_i(rst_i), .d_i({keep_i, raise_i, first_i}),
         .q_o({keep_i3, raise_i3, first_i3}));
     fp3_delay #(.W(ROW_W), .N(AHEAD)) u_other (.clk_i(clk_i), .rst_i(1'b0), .d_i(other_r3_i), .q_o(other_i3));
 
     wire [LENGTH_W-1:0] length = list_i3_i[OBJECTS_LENGTH_HI:OBJECTS_LENGTH_LO] & {LENGTH_W{!first_i3}};
-    wire                takes  = keep_i3 && takes_i3_i && !away_q && other_i3 != own_q;
+    wire                takes  = keep_i3 && takes_i3_i && !away_q;
     wire                full   = length >= room_i3_i[LENGTH_W-1:0];
     assign write_o = takes && !full;
     wire [31:0]         length_32 = {{32-LENGTH_W{1'b0}}, length};
@@ -64,7 +62,6 @@ module fp3_keep #(
     reg                 keeps_q, raised_q, no_room_q;       // 4
     reg  [31:0]         list_q;
     always @(posedge clk_i) begin
-        own_q     <= own_i2_i;
         away_q    <= away_i2_i;
         keeps_q   <= !rst_i && keep_i3;
         raised_q  <= !rst_i && raise_i3 && !away_q && list_i3_i[31];

@@ -151,7 +151,7 @@ module fp3_lane #(
             assign `FP3_OPERANDS = operands_o;
             fp3_keep #(.CONFIG(CONFIG)) u_keep (.clk_i(clk_i), .rst_i(rst_i),
                 .keep_i(issue_keep), .raise_i(issue_raise), .first_i(issue_first), .other_r3_i(move_load_row),
-                .own_i2_i(move_st_row), .away_i2_i(move_st_absent || move_st_ended),
+                .away_i2_i(move_st_absent || move_st_ended),
                 .list_i3_i(st_value_i3), .room_i3_i(operands_y), .takes_i3_i(operands_z[31]),
                 .write_o(keep_i3), .place_o(keep_place_i3), .row_o(keep_row_i3),
                 .keeps_i4_o(keeps_i4), .list_i4_o(list_i4), .raised_o(raises_now), .no_room_o(no_room));

@@ -127,7 +127,7 @@ module fp3_lane_end #(
             `FP3_REACH_FIELDS
             assign `FP3_REACH = reach_i;
             fp3_lists #(.CONFIG(CONFIG)) u_lists (.clk_i(clk_i), .rst_i(rst_i),
-                .each_i(issue_each), .first_i(issue_first), .context_i(issue_context), .absent_i2(move_st_absent),
+                .each_i(issue_each), .keep_i(issue_keep), .first_i(issue_first), .context_i(issue_context), .absent_i2(move_st_absent),
                 .word_i3(stored_i3_i),
                 .longest_o(longest_o), .valid_i(reach_valid), .reach_context_i(reach_context), .own_i(reach_row),
                 .around_i(reach_around),

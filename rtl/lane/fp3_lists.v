@@ -12,6 +12,8 @@
 //           load     around_i   list read  place    row, address    word_i    an entry's row is noted
 //
 //           The place of a field that is stored waits for its value, which comes with the issue.
+//           With KEEP an object is not its own neighbour: in a turn in which the entry is its own
+//           row, it executes nothing, as behind the list's end. So all may share a list of all.
 //
 // Latency   As shown. ended_o comes with the result, AHEAD + TO_RESULT cycles after R.
 // Hazard    One context does not come twice within GAP cycles. R+1 of an `each` comes after its
@@ -23,8 +25,9 @@ module fp3_lists #(
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
-    // 0: `each`
+    // 0: `each`, `keep`
     input  wire                 each_i,
+    input  wire                 keep_i,
     input  wire                 first_i,        // of its contexts
     input  wire [CONTEXT_W-1:0] context_i,
     input  wire                 absent_i2,      // 2: there is no object
@@ -97,13 +100,13 @@ module fp3_lists #(
     wire               there_r2;
     reg                turns_q;                         // R+2: this turn has an entry
     reg  [STORE_W-1:0] base_q, offset_q, sum_q;         // R+2; R+3
-    reg                there_q;                         // R+3: the last entry was there
+    reg                there_q;                         // R+3: the last entry was there, and with KEEP another object
     reg  [ROW_W-1:0]   row_q;
     always @(posedge clk_i) begin
         turns_q <= around_turn < length_r1;
         {base_q, offset_q} <= {place_r1, around_offset};
         sum_q   <= base_q + offset_q;
-        there_q <= there_r2;
+        there_q <= there_r2 && (KEEP == 0 || row_r2 != own_r2);
         row_q   <= other_r2 ? row_r2 : own_r2;
     end
     wire inside_r3;
@@ -113,8 +116,17 @@ module fp3_lists #(
     fp3_delay #(.W(REGISTER_W), .N(1)) u_number (.clk_i(clk_i), .rst_i(1'b0), .d_i(offset_q[REGISTER_W-1:0]),
         .q_o(number_o));
     assign {place_o, row_o} = {sum_q, row_q};
-    fp3_delay #(.W(1), .N(AHEAD+TO_RESULT-3)) u_ended (.clk_i(clk_i), .rst_i(1'b0), .d_i(inside_r3 && !there_q),
-        .q_o(ended_o));
+    // The first turn begins a list that is made anew, also that of an object which has no entry then: `keep` is executed.
+    wire keep_i2;
+    generate
+        if (KEEP != 0) begin : g_keep
+            fp3_delay #(.W(1), .N(2)) u_keep (.clk_i(clk_i), .rst_i(1'b0), .d_i(keep_i), .q_o(keep_i2));
+        end else begin : g_no_keep
+            assign keep_i2 = keep_i;                    // there is none
+        end
+    endgenerate
+    fp3_delay #(.W(1), .N(KEEP != 0 ? TO_RESULT-2 : AHEAD+TO_RESULT-3)) u_ended (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i(KEEP != 0 ? st_ended_o && !keep_i2 : inside_r3 && !there_q), .q_o(ended_o));
 
     fp3_delay #(.W(2+STORE_W), .N(AHEAD-1)) u_stored (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({of_list_o, inside_r3 && !there_q, sum_q}), .q_o({st_list_o, st_ended_o, st_place_o}));

@@ -4,6 +4,7 @@
 #ifndef FP3_TESTS_FORESEEN_H
 #define FP3_TESTS_FORESEEN_H
 
+#include "engine/board/shared_list.h"
 #include "engine/common/ghosts.h"
 #include "engine/common/inside.h"
 #include "gen/timing.h"
@@ -23,8 +24,9 @@ static uint32_t longest_of(const void *user, uint32_t reg, uint32_t first_row, u
     for (uint32_t i = 0; i < group->objects; i++) {
         const uint32_t row =
             fp3_layout_where(fp3_engine_layout(engine), fp3_engine_config(engine), i).row;
-        if (row >= first_row && row - first_row < rows && fp3_list_length(list, i) > most)
-            most = fp3_list_length(list, i);
+        const uint32_t turns = fp3_list_turns(fp3_engine_config(engine), list, i);
+        if (row >= first_row && row - first_row < rows && turns > most)
+            most = turns;
     }
     return most;
 }

@@ -4,12 +4,12 @@
  *     kept [SEED [PROGRAMS [CONFIG]]]     CONFIG: world_keep if none is said
  *
  * Programs by chance: phases that make lists from a list of others, which all objects share or have
- * a part of; checks that raise a flag, or not; phases that go through the lists; phases made
- * several times. Lists end with the last word of the store, have just enough room, one entry too
- * few, or much. Every word of the store, the flags, the half with the published words, the outcome,
- * whether an object has raised, and the cycles must be the model's. With a port to memory each run
- * is started by a list of transfers, which then goes on by what `status` is; all channels of both
- * buses wait by chance.
+ * a part of, and are in themselves; checks that raise a flag, or not; phases that go through the
+ * lists; phases made several times. Lists end with the last word of the store, have just enough
+ * room, one entry too few, or much. Every word of the store, the flags, the half with the published
+ * words, the outcome, whether an object has raised, and the cycles must be the model's. With a port
+ * to memory each run is started by a list of transfers, which then goes on by what `status` is; all
+ * channels of both buses wait by chance.
  */
 #include "chance.h"
 
@@ -91,11 +91,14 @@ typedef struct {
     uint32_t flags;
 } visit;
 
+/* Of a turn: its entry is another object. */
+static int is_other(const bench *b, const visit *v) { return b->store[v->at + v->turn] != v->row; }
+
 static void keep(bench *b, visit *v, const fp3_instruction *in) {
     uint32_t *list = &b->registers[in->d], other = b->store[v->at + v->turn];
     uint32_t length = v->turn ? *list >> FP3_OBJECTS_LENGTH_LO : 0;
     const uint32_t place = *list & (LENGTH_ONE - 1), room = operand(b, in->b) & 0xfff;
-    if (operand(b, in->a) >> 31 && other != v->row) {
+    if (is_other(b, v) && operand(b, in->a) >> 31) {
         v->is_overfull |= length >= room;
         if (length < room)
             b->store[place + length] = other;
@@ -119,6 +122,9 @@ static void compute(bench *b, visit *v, const fp3_decoded *word) {
 /* A word of a phase, for one object. lengths: of the lists of its loops. */
 static uint32_t execute(bench *b, visit *v, uint32_t pc, uint32_t *lengths) {
     const fp3_instruction *in = &b->code[pc].in;
+    const int is_in_loop = v->turn < v->turns;
+    if (is_in_loop && !is_other(b, v) && in->op != FP3_OP_NEXT && in->op != FP3_OP_KEEP)
+        return pc + 1;
     switch (in->op) {
     case FP3_OP_EACH:
         v->turns = b->registers[in->d] >> FP3_OBJECTS_LENGTH_LO;

@@ -43,9 +43,10 @@ def test_schedulers_run_programs_of_their_own(build, tmp_path):
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("config, objects", [("world", 30), ("pairs", 12), ("world_log", 12), ("world_bfloat", 12)])
+@pytest.mark.parametrize("config, objects", [("world", 30), ("world_keep", 25), ("pairs", 12), ("world_log", 12), ("world_bfloat", 12)])
 def test_objects_see_each_other_as_on_the_isa_engine(build, tmp_path, long, config, objects):
-    """Lists and starts by chance, of up to 30 objects, which are two batches, once (53, as many as three batches take, ten times); of 12 in other arithmetic."""
+    """Lists and starts by chance, of up to 30 objects, which are two batches, once (53, as many as three batches take, ten times); of 12 in other arithmetic.
+    With `keep` all share the list of all."""
     objects = 53 if long and config == "world" else objects
     for seed in range(1, 11 if long else 2):
         out = start(build / "tests/neighbours", str(seed), config, str(objects), cwd=tmp_path)
@@ -84,20 +85,35 @@ def test_the_hardware_makes_lists_as_a_model_does(build, tmp_path, long, config)
         assert made > 60 and full > 3 and left_out > 10 and 10 < told < 60, out
 
 
+def build_own(root, build, tree, base, keys, test):
+    """A configuration of its own, `some`, and a test that is linked with it."""
+    from fp3fpga import one_config
+    from fp3gen.read import load
+    row = next(row for row in load(root).configs if row["name"] == base) | {"name": "some"} | keys
+    one_config.build(row, tree, build)
+    sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
+    one_config.run("gcc", *sanitize, "-o", tree / test, build / f"obj/tests/cosim/{test}.o", tree / "own.o", build / "lib/libfp3.a", *one_config.LIBS)
+
+
 @pytest.mark.parametrize("keys", [pytest.param({"mul_latency": 1, "add_latency": 2, "mul_cuts": 0, "add_cuts": 2}, id="the least latency"),
                                   pytest.param({"select": 0, "reciprocal": "none", "round": 0}, id="z comes late", marks=pytest.mark.long)])
 def test_an_operand_is_there_in_time(root, build, tmp_path, monkeypatch, keys):
     """With the store as early before the registers, and results sooner; without fp_value z is read behind x, and so is its sign."""
     monkeypatch.syspath_prepend(root / "tools")
-    from fp3fpga import one_config
-    from fp3gen.read import load
-    row = next(row for row in load(root).configs if row["name"] == "world") | {"name": "some"} | keys
     tree = tmp_path / "some"
-    one_config.build(row, tree, build)
-    sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
-    one_config.run("gcc", *sanitize, "-o", tree / "given", build / "obj/tests/cosim/given.o", tree / "own.o", build / "lib/libfp3.a", *one_config.LIBS)
+    build_own(root, build, tree, "world", keys, "given")
     done = subprocess.run([tree / "given", "1", "some", "100"], env={"FP3_RTL_DIR": str(tree)}, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0 and done.stdout.endswith(", 0 failed\n"), done.stdout + done.stderr
+
+
+@pytest.mark.long
+def test_each_lane_has_a_list_of_all(root, build, tmp_path, monkeypatch):
+    """With `keep`: its objects share it, and ghosts of those in the other lane are in it."""
+    monkeypatch.syspath_prepend(root / "tools")
+    tree = tmp_path / "some"
+    build_own(root, build, tree, "fabric", {"lanes": 2, "space_bit": 16, "keep": 1}, "neighbours")
+    done = subprocess.run([tree / "neighbours", "1", "some", "25"], env={"FP3_RTL_DIR": str(tree)}, capture_output=True, text=True, timeout=600)
+    assert re.fullmatch(r"\d{3,} runs, 0 failed\n", done.stdout), done.stdout + done.stderr
 
 
 def test_a_configuration_without_counters(root, build, tmp_path, monkeypatch):

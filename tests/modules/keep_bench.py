@@ -17,9 +17,7 @@ class Instruction:
     def __init__(self, chance, rows, store):
         self.kind = chance.choice(("keep", "keep", "raise", None))
         self.first, self.away = int(chance.random() < 0.3), int(chance.random() < 0.2)
-        self.own, self.other = chance.randrange(rows), chance.randrange(rows)
-        if chance.random() < 0.3:
-            self.other = self.own
+        self.other = chance.randrange(rows)
         self.place, self.length = chance.randrange(store), chance.choice((chance.randrange(6), chance.randrange(4096), NO_ROOM))
         self.room = chance.choice((chance.randrange(6), self.length, self.length + 1 & NO_ROOM)) | chance.choice((0, 0x5a5000))
         self.condition = chance.choice((0, 1 << 31, 0x3f800000, 0xbf800000, 0x7fc00000, chance.getrandbits(32)))
@@ -30,7 +28,7 @@ class Instruction:
         if self.kind != "keep":
             return None, None, self.kind == "raise" and not self.away and self.word >> 31 == 1, False
         length, room = 0 if self.first else self.length, self.room & NO_ROOM
-        takes = not self.away and self.own != self.other and self.condition >> 31 == 1
+        takes = not self.away and self.condition >> 31 == 1
         full = takes and length >= room
         return (self.place + length, self.other) if takes and not full else None, \
             (NO_ROOM if full else length + takes) << LENGTH | self.place, False, full
@@ -38,7 +36,7 @@ class Instruction:
 
 async def instructions(dut, seed):
     """The instructions of the last cycles, the newest first."""
-    chance, rows, store = random.Random(seed), 1 << len(dut.own_i2_i), 1 << len(dut.place_o)
+    chance, rows, store = random.Random(seed), 1 << len(dut.other_r3_i), 1 << len(dut.place_o)
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
     told = collections.deque([Instruction(chance, rows, store) for _ in range(8)], maxlen=8)
     for cycle in range(CYCLES):
@@ -47,7 +45,7 @@ async def instructions(dut, seed):
         now, late, later = told[1], told[3], told[4]       # in cycles 0, 2 and 3: the newest is a cycle before its own
         dut.keep_i.value, dut.raise_i.value, dut.first_i.value = int(now.kind == "keep"), int(now.kind == "raise"), now.first
         dut.other_r3_i.value = told[0].other
-        dut.own_i2_i.value, dut.away_i2_i.value = late.own, late.away
+        dut.away_i2_i.value = late.away
         dut.list_i3_i.value, dut.room_i3_i.value, dut.takes_i3_i.value = later.word, later.room, later.condition >> 31
         await FallingEdge(dut.clk_i)
         if cycle > 20:

@@ -119,8 +119,7 @@ BUGS = {
         Bug("the number is a cycle late", "fp3_issue.v", ".N(AHEAD+TO_RESULT-1)) u_late", ".N(AHEAD+TO_RESULT)) u_late"),
     ],
     "keep_writes_the_rows_of_others": [
-        Bug("an object is its own neighbour", "fp3_keep.v", "!away_q && other_i3 != own_q", "!away_q"),
-        Bug("an object without a neighbour has one", "fp3_keep.v", "!away_q && other_i3 != own_q", "other_i3 != own_q"),
+        Bug("an object without a neighbour has one", "fp3_keep.v", "takes_i3_i && !away_q", "takes_i3_i"),
         Bug("everybody is near", "fp3_keep.v", "keep_i3 && takes_i3_i", "keep_i3"),
         Bug("the neighbour of the instruction before", "fp3_keep.v", ".N(AHEAD)) u_other", ".N(AHEAD+1)) u_other"),
         Bug("the list is not begun anew", "fp3_keep.v", "& {LENGTH_W{!first_i3}}", "& {LENGTH_W{1'b1}}"),

@@ -1,9 +1,10 @@
-"""Lists of near objects that the hardware makes itself: the words and flags of the engine isa, no host between steps, and what is too much."""
+"""Lists of near objects that the hardware makes itself, and one list of all: the words and flags of the engine isa, no host between steps, and what is too much."""
 
 import re
 import subprocess
 
 import pytest
+from test_living import LIVING, Scene
 from test_world import BALLS, PILE, balls, fliers, script  # noqa: F401, pylint: disable=unused-import
 
 STATES = "x_x x_y x_z v_x v_y v_z"
@@ -104,3 +105,64 @@ def test_an_object_that_comes_from_nowhere_has_moved(fp3, tmp_path):
         assert done.returncode == 0, done.stderr
         return [line for line in done.stdout.splitlines() if "  object " in line]
     assert len(words("rtl")) == 500 and words("rtl") == words("isa")
+
+
+# Without softening an object that saw itself would be a NaN.
+STARS = """
+param m = 1
+state x[2] = (0, 0)
+state v[2] = (0, 0)
+all others
+step 0.01
+x' = v
+v' = sum(o in others: o.m/dot(o.x - x, o.x - x)^1.5*(o.x - x))
+"""
+# Few words a turn, and records of 16 words: 481 of them, and a row of each, are in half of the store.
+OTHER = [f"y{i}" for i in range(9)]
+CROWD = "\n".join([*(f"state {name} = 0" for name in ("x", "s", *OTHER)), "all others", "step 1", *(f"{name}' = 0" for name in ("x", *OTHER)),
+                   "s' = sum(o in others: o.x)\n"])
+MOST = 481
+
+
+def stars(n):
+    return [f"objects {n}", "state x_x " + " ".join(repr(0.5 * i - (i % 3)) for i in range(n)), "state x_y " + " ".join(repr(0.3 * (i * i % 11)) for i in range(n)),
+            "param m " + " ".join(repr(0.01 * (i + 1)) for i in range(n)), "all others"]
+
+
+@pytest.mark.parametrize("objects", [1, 2, 3, 24, 25, 49])
+def test_nobody_sees_itself_in_the_list_of_all(script, objects):  # noqa: F811
+    lines = [*stars(objects), "flags 1", "flags 5", "print x_x x_y v_x v_y", "failure"]
+    assert script(STARS, lines, "rtl@world_keep", "rk4") == script(STARS, lines, "isa@world", "rk4")
+
+
+@pytest.mark.parametrize("name", ["kinds 3", "kinds 17"])
+def test_all_and_near_objects_that_come_and_go(script, name):  # noqa: F811
+    """Links, near objects and all others: with births the host makes the near list, without them the hardware does."""
+    scene = Scene(LIVING[name], 5, 19)
+    assert script(scene.model, scene.whole(3), "rtl@world_keep") == script(scene.model, scene.whole(3), "isa")
+    lines = [*scene.lines(list(range(scene.n)), scene.columns), "flags 12", "print " + " ".join(scene.states)]
+    assert script(scene.model, lines, "rtl@world_keep") == script(scene.model, lines, "isa")
+
+
+def test_as_many_as_the_store_holds_see_each_other(script):  # noqa: F811
+    def said(objects, engine):
+        return script(CROWD, [f"objects {objects}", "state x " + " ".join(str(i % 7) for i in range(objects)), "all others", "go 1", "print s"], engine, "euler")
+    assert said(MOST, "rtl@world_keep") == said(MOST, "isa@world_keep")
+    assert said(MOST + 1, "rtl@world_keep")[0] == f"error engine 'rtl': the store of configuration 'world_keep' has no room for a list of all {MOST + 1} objects: " \
+        "its 16384 words are full"
+
+
+def test_guests_are_in_the_list_of_all(fp3, tmp_path):
+    """Two groups: each object sees all others of its own, and all of the other group, which are guests in its store."""
+    for one, two in ("ab", "ba"):
+        (tmp_path / f"{one}.ode").write_text(f"kind {two}(x[2])\nstate x[2] = (0, 0)\nall mine\nall theirs({two})\nstep 0.25\n"
+                                             "x' = sum(o in mine: (o.x - x)/norm(o.x - x)) + 0.1*sum(o in theirs: o.x - x)\n")
+    groups = ", ".join(f'{{ program = "{name}.ode"; integrator = "leapfrog"; objects = {count}; random = {{ position = "x"; from = [0, 0]; to = [9, 9]; apart = 0.1; '
+                       f'seed = {count}; }}; }}' for name, count in (("a", 5), ("b", 26)))
+    (tmp_path / "m.scene").write_text(f"steps = 6;\ngroups = ( {groups} );\n")
+
+    def said(engine, config):
+        done = subprocess.run([fp3, "run", "--scene", "m.scene", "--engine", engine, "-c", config, "--all"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, done.stderr
+        return re.findall("0x[0-9a-f]{8} .*", done.stdout)
+    assert said("rtl", "world_keep") == said("isa", "world") and len(said("isa", "world")) == 62

@@ -4,6 +4,7 @@
 
 #include "memory.h"
 #include "near_code.h"
+#include "shared_list.h"
 
 #include "gen/registers.h"
 #include <fp3/isa.h>
@@ -75,8 +76,10 @@ static int take_room(const fp3_engine *engine, fp3_own_list *kept) {
     kept->end[1] = 2 * half;
     for (uint32_t k = 0; k < group->lists.shape.list_count; k++) {
         const fp3_list *list = &group->lists.lists[k];
-        for (uint32_t i = 0; list != kept->list && i < objects; i++)
-            if (take(kept, fp3_list_length(list, i) * (1 + list->fields)) == UINT32_MAX)
+        const uint32_t lists = fp3_list_is_shared(engine->config, list) ? 1 : objects;
+        for (uint32_t i = 0; list != kept->list && i < lists; i++)
+            if (take(kept, fp3_list_turns(engine->config, list, i) * (1 + list->fields)) ==
+                UINT32_MAX)
                 return 0;
     }
     fp3_own_list then = *kept;

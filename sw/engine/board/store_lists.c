@@ -8,6 +8,7 @@
 #include "engine/common/luggage.h"
 #include "engine/common/partition.h"
 #include "memory.h"
+#include "shared_list.h"
 
 #include "gen/registers.h"
 #include <inttypes.h>
@@ -127,10 +128,12 @@ static uint32_t take(room *r, uint32_t words) {
 }
 
 static fp3_status write_entries(room *r, const fp3_list *list, uint32_t object, uint32_t place) {
-    const uint32_t length = fp3_list_length(list, object);
+    const fp3_config *config = r->engine->config;
+    const uint32_t turns = fp3_list_turns(config, list, object);
     fp3_status status = FP3_OK;
-    for (uint32_t turn = 0; !status && turn < length; turn++) {
-        const uint32_t row = fp3_ghosts_row(r->ghosts, r->lane, fp3_list_entry(list, object, turn));
+    for (uint32_t turn = 0; !status && turn < turns; turn++) {
+        const uint32_t row =
+            fp3_ghosts_row(r->ghosts, r->lane, fp3_list_turn(config, list, object, turn));
         status = fp3_memory_put_word(r->engine, r->lane, place++, row);
         for (uint32_t k = 0; !status && k < list->fields; k++) {
             const size_t entry = list->begin[object] + turn;
@@ -141,34 +144,55 @@ static fp3_status write_entries(room *r, const fp3_list *list, uint32_t object, 
     return status;
 }
 
+static fp3_status no_room(const room *r, const fp3_list *list, uint32_t object) {
+    const fp3_engine *engine = r->engine;
+    if (fp3_list_is_shared(engine->config, list))
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "engine '%s': the store of configuration '%s' has no room for a list of "
+                        "all %" PRIu32 " objects: its %" PRIu32 " words are full",
+                        engine->backend->is.name, engine->config->name,
+                        fp3_list_turns(engine->config, list, object), engine->config->store_words);
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                    "engine '%s': the store of configuration '%s' has no room for the "
+                    "neighbours of object %" PRIu32 " of %" PRIu32 ": its %" PRIu32
+                    " words are full",
+                    engine->backend->is.name, engine->config->name, object, list->objects,
+                    engine->config->store_words);
+}
+
+/* *place: where the list is. */
+static fp3_status write_one(room *r, const fp3_list *list, uint32_t object, uint32_t *place) {
+    fp3_engine *engine = r->engine;
+    const uint32_t turns = fp3_list_turns(engine->config, list, object);
+    if (turns > MOST_NEIGHBOURS)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "engine '%s': object %" PRIu32 " has %" PRIu32
+                        " neighbours in a list, at most %u are possible",
+                        engine->backend->is.name, object, turns, MOST_NEIGHBOURS);
+    *place = take(r, turns * (1 + list->fields));
+    return *place == UINT32_MAX ? no_room(r, list, object) : write_entries(r, list, object, *place);
+}
+
 static fp3_status write_list(room *r, const fp3_list *list) {
     fp3_engine *engine = r->engine;
     const fp3_members *group = group_of(engine);
+    const int is_shared = fp3_list_is_shared(engine->config, list);
+    uint32_t place = 0, written = 0; /* turns of the list at this place */
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < group->objects; i++) {
-        const uint32_t length = fp3_list_length(list, i), words = length * (1 + list->fields);
         const fp3_where at = fp3_layout_where(&engine->layout, engine->config, group->first + i);
+        const uint32_t turns = fp3_list_turns(engine->config, list, i);
         if (at.lane != r->lane)
             continue;
-        if (length > MOST_NEIGHBOURS)
-            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                            "engine '%s': object %" PRIu32 " has %" PRIu32
-                            " neighbours in a list, at most %u are possible",
-                            engine->backend->is.name, i, length, MOST_NEIGHBOURS);
-        const uint32_t place = take(r, words);
-        if (place == UINT32_MAX)
-            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                            "engine '%s': the store of configuration '%s' has no room for the "
-                            "neighbours of object %" PRIu32 " of %" PRIu32 ": its %" PRIu32
-                            " words are full",
-                            engine->backend->is.name, engine->config->name, i, list->objects,
-                            engine->config->store_words);
+        if (!is_shared || written < turns) {
+            status = write_one(r, list, i, &place);
+            written = turns;
+        }
         r->place[(size_t)(list - group->lists.lists) * group->rows + i] = place;
-        status = write_entries(r, list, i, place);
         if (!status)
-            status = fp3_memory_put_word(engine, r->lane, (at.row << group->log2) + list->reg,
-                                         length << FP3_OBJECTS_LENGTH_LO |
-                                             place << FP3_OBJECTS_PLACE_LO);
+            status =
+                fp3_memory_put_word(engine, r->lane, (at.row << group->log2) + list->reg,
+                                    turns << FP3_OBJECTS_LENGTH_LO | place << FP3_OBJECTS_PLACE_LO);
     }
     return status;
 }
