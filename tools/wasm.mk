@@ -3,7 +3,7 @@
 ZIG      := .venv/bin/python -m ziglang
 WASM     := $(BUILD)/wasm
 WASM_CC   = $(ZIG) cc -target wasm32-wasi -msimd128
-# What needs other programs, other processes, loaded libraries, serial ports or GSL: sw/cli/wasm/absent.c says so to whoever asks for it.
+# What needs other programs, other processes, loaded libraries, hardware or GSL: sw/cli/wasm/absent.c says so to whoever asks for it.
 WASM_NOT := sw/engine/board/port.c $(wildcard sw/engine/fast/cache.c sw/engine/fast/native.c sw/engine/fast/text.c sw/engine/fast/write*.c) sw/base/cc.c sw/base/child.c sw/base/temporary.c \
     $(wildcard sw/engine/cluster/*.c sw/engine/chunks/*.c) sw/cli/run_ranks.c sw/engine/common/library.c sw/record/figure.c sw/record/gnuplot.c sw/record/plot.c \
     $(foreach c,bench_% board cmd_bench cmd_board cmd_compare cmd_doctor processor cmd_stress cmd_tune cmd_view compare_% json tune_% view_%,sw/cli/$(c).c)

@@ -20,10 +20,10 @@ typedef struct {
     const uint32_t *rows;  /* of each object; NULL: its number */
     const uint32_t *order; /* NULL: their numbers */
     uint32_t first;
-} stood;
+} ordered;
 
 static uint32_t longest(const void *user, uint32_t reg, uint32_t first, uint32_t rows) {
-    const stood *s = user;
+    const ordered *s = user;
     const fp3_list *list = s->lists->lists;
     uint32_t most = 0;
     while (list->reg != reg)
@@ -37,7 +37,7 @@ static uint32_t longest(const void *user, uint32_t reg, uint32_t first, uint32_t
 }
 
 /* Cycles of a step of these, as tests/cosim/foreseen.h holds them to the hardware's. */
-static uint64_t cycles_of(const fp3_config *config, const fp3_members *group, const stood *s,
+static uint64_t cycles_of(const fp3_config *config, const fp3_members *group, const ordered *s,
                           uint32_t rows) {
     const fp3_phased program = {group->program.decoded, group->program.count};
     const fp3_phased_run run = {.rows = rows, .longest = longest, .user = s};
@@ -48,7 +48,7 @@ static uint64_t in_chunks(const fp3_config *config, const fp3_members *group, co
                           const fp3_pieces *cut) {
     uint64_t cycles = 0;
     for (uint32_t i = 0; i < cut->count; i++) {
-        const stood s = {&group->lists, rows, cut->object, cut->pieces[i].own.first};
+        const ordered s = {&group->lists, rows, cut->object, cut->pieces[i].own.first};
         cycles += cycles_of(config, group, &s, cut->pieces[i].own.count);
     }
     return cycles;
@@ -139,7 +139,7 @@ static uint64_t hash_after(linked *l, uint32_t steps) {
         told(fp3_engine_run(l->fast, 1, &stats), &error);
         const fp3_members *group = fp3_engine_members(l->fast, 0);
         const uint32_t *rows = fp3_engine_rows(l->fast);
-        const stood all = {&group->lists, rows, NULL, 0};
+        const ordered all = {&group->lists, rows, NULL, 0};
         l->in_store += (double)cycles_of(l->config, group, &all, cut->objects);
         l->in_chunks += (double)in_chunks(l->config, group, rows, cut);
     }
