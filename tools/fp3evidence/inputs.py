@@ -77,7 +77,7 @@ def of_probe(name, fp3):
 
 def forget():
     """What was read: it may have changed."""
-    for cache in (bare_text, matched, of_files, of_probe):
+    for cache in (bare_text, matched, of_files, of_probe, probes.made_of):
         cache.cache_clear()
 
 

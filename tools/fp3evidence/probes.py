@@ -111,29 +111,32 @@ def described():
     return load(ROOT)
 
 
+@functools.cache
+def made_of(config):
+    """What Verilator makes of a configuration, as a hash. Several probes ask for the same one."""
+    import tops
+    machine = described()
+    row = next(row for row in machine.configs if row["name"] == config)
+    with tempfile.TemporaryDirectory() as folder:
+        top, model = tops.write(row, machine, pathlib.Path(folder)), pathlib.Path(folder) / "model"
+        done = subprocess.run(["verilator", "-f", "rtl/fp3.f", "-O3", "--cc", "--prefix", "V", "--top-module", top.stem, "--Mdir", model, top],
+                              cwd=ROOT, capture_output=True, text=True)
+        if done.returncode:
+            raise Failed(f"verilator {top.name}: {done.stderr.strip()}")
+        found = hashlib.sha256()
+        for path in sorted([*model.glob("*.cpp"), *model.glob("*.h")]):
+            found.update(path.read_bytes().replace(os.fsencode(folder), b""))
+        return f"{config} {found.hexdigest()}"
+
+
 def hardware(*configs):
     """What Verilator makes of configurations: comments, layout, and parts that a configuration does not have are not in it. Another version
     makes something else of them, so the version is said as well."""
-    def made(config):
-        import tops
-        machine = described()
-        row = next(row for row in machine.configs if row["name"] == config)
-        with tempfile.TemporaryDirectory() as folder:
-            top, model = tops.write(row, machine, pathlib.Path(folder)), pathlib.Path(folder) / "model"
-            done = subprocess.run(["verilator", "-f", "rtl/fp3.f", "-O3", "--cc", "--prefix", "V", "--top-module", top.stem, "--Mdir", model, top],
-                                  cwd=ROOT, capture_output=True, text=True)
-            if done.returncode:
-                raise Failed(f"verilator {top.name}: {done.stderr.strip()}")
-            found = hashlib.sha256()
-            for path in sorted([*model.glob("*.cpp"), *model.glob("*.h")]):
-                found.update(path.read_bytes().replace(os.fsencode(folder), b""))
-            return f"{config} {found.hexdigest()}"
-
     def probe(_):
         if not verilator():
             return None
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            return list(pool.map(made, configs))
+            return list(pool.map(made_of, configs))
     return probe, ("rtl/**/*.v", "rtl/**/*.vh", "rtl/fp3.f", "isa/*.toml", "tools/tops.py", "tools/fp3gen/*.py"), verilator
 
 
