@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
 """The processor with a memory of its own, simulated: `make alone`.
 
-    tools/alone.py                  all rows: four hours
+    tools/alone.py                  all rows: two hours and a half on two processors
     tools/alone.py --quick          the same of a few objects, for the tests
 
-Writes build/results/alone.json, and prints its rows. Exit code 1: a row misses its goal.
+Prints rows, and writes them into build/results/alone.json; those of parts that were not asked for stay there. Exit code 1: a row misses its goal.
 """
 
 import argparse
+import concurrent.futures
 import json
 import os
 import pathlib
 import subprocess
 import sys
+
+from fp3gen.text import between, markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 CONFIG = "many_memory"
@@ -23,9 +26,8 @@ RATES = (1000, 400, 3000)                 # words of memory in 1,000 cycles
 GOAL = 1.1                                # cycles a word that memory can give in each
 # Steps of a visit of a chunk, by the rate of memory. Eight lanes compute faster and share one port, so their visits are longer.
 STEPS = {CONFIG: {3000: 16, 400: 32}, LANES: {3000: 96, 400: 256}}
-OBJECTS = {CONFIG: 100_000, LANES: 10_000}
+OBJECTS = 100_000
 SLOWER = 1.02                             # goal: cycles of chunks over those of objects in the store
-PARTS = ("loads", "chunks", "linked", "near")
 LINKED = {"programs/gallery/flag.scene": (400, 3000), "bench/alone/cloth.scene": (3000,)}   # scenes of objects with links, and the rates of memory
 # Scenes of near objects: how far these may go in the steps of a row, and after which step it begins.
 NEAR = {"programs/world/heap.scene": ((0.055, 0), (0.01, 8192)), "programs/world/dam.scene": ((0.03, 0),)}
@@ -39,29 +41,34 @@ def alone(build, *arguments):
     return json.loads(done.stdout)
 
 
-def loads(build, objects):
-    """Rows of loads: cycles a word to the processor, back, and through AXI4-Lite by a master that waits for no response or for each."""
-    return [alone(build, "load", CONFIG, objects, rate, LATENCY, 0) for rate in RATES]
+# What to measure: the arguments of build/bench/alone for each row of a part.
+
+def loads(_, quick):
+    """Cycles a word to the processor, back, and through AXI4-Lite by a master that waits for no response or for each."""
+    return [("load", CONFIG, 2500 if quick else 10_000, rate, LATENCY, 0) for rate in RATES]
 
 
-def chunks(build, objects, steps):
-    """Rows of kepler by rk4, more objects than the store holds; build/bench/alone compares their words with those of the engine fast."""
+def chunks(build, quick):
+    """Kepler by rk4, more objects than the store holds; build/bench/alone compares their words with those of the engine fast."""
     image = build / "results/kepler.fp3"
     image.parent.mkdir(parents=True, exist_ok=True)
     subprocess.run([build / "bin/fp3", "compile", ROOT / "programs/kepler.ode", "-i", "rk4", "-c", CONFIG, "--image", image, "--params", image.with_suffix(".cfg")],
                    check=True, stdout=subprocess.DEVNULL)
-    return [alone(build, "chunks", config, image, objects or OBJECTS[config], steps or of, rate, LATENCY)
-            for config, visits in STEPS.items() for rate, of in visits.items()]
+    return [("chunks", config, image, 2100 if quick else OBJECTS, 2 if quick else steps, rate, LATENCY)
+            for config, visits in STEPS.items() for rate, steps in visits.items()]
 
 
-def linked(build, scenes, steps):
-    """Rows of scenes whose objects have links, one list of transfers for all steps; build/bench/alone compares their words with those of the engine fast."""
-    return [alone(build, "linked", WORLD, ROOT / scene, steps, rate, LATENCY) for scene in scenes for rate in LINKED[scene]]
+def linked(_, quick):
+    """Scenes whose objects have links, one list of transfers for all steps; build/bench/alone compares their words with those of the engine fast."""
+    return [("linked", WORLD, ROOT / scene, 2 if quick else 100, rate, LATENCY) for scene in list(LINKED)[:1 if quick else None] for rate in LINKED[scene]]
 
 
-def near(build, scenes, steps):
-    """Rows of scenes whose objects are near each other, likewise; the hardware makes their lists."""
-    return [alone(build, "linked", WORLD, ROOT / scene, steps, max(RATES), LATENCY, *run) for scene in scenes for run in NEAR[scene]]
+def near(_, quick):
+    """Scenes whose objects are near each other, likewise; the hardware makes their lists. tests/bare/test_linked.py has small ones."""
+    return [] if quick else [("linked", WORLD, ROOT / scene, 100, max(RATES), LATENCY, *run) for scene, runs in NEAR.items() for run in runs]
+
+
+PARTS = {part.__name__: part for part in (loads, chunks, linked, near)}
 
 
 def text(row):
@@ -84,21 +91,61 @@ def misses(row):
     return max(row["cycles_per_word"], row["back"]) > GOAL * max(1, 1 / row["memory"])
 
 
+# ---- docs/memory.md ----
+
+def table(part, rows):
+    """The lines of a part's table."""
+    if part == "loads":
+        head = "| how | " + " | ".join(f"{row['memory']:g} word{'' if row['memory'] == 1 else 's'} a cycle" for row in rows) + " |"
+        how = {"cycles_per_word": "by transfers, to the processor", "back": "by transfers, back to memory",
+               "slave_streams": "through AXI4-Lite, by a master that waits for no response", "slave_waits": "... by one that waits for each"}
+        return [head, "|---|" + "---|" * len(rows), *(f"| {text} | " + " | ".join(f"{row[key]:.3f}" for row in rows) + " |" for key, text in how.items())]
+    costs = [[f"{row['cycles_per_object_step']:.{2 if part == 'chunks' else 1}f}", f"{row['in_store']:.{2 if part == 'chunks' else 1}f}",
+              f"{row['cycles_per_object_step'] / row['in_store']:.3f}"] for row in rows]
+    if part == "chunks":
+        return markdown(["configuration", "objects", "words a cycle", "steps of a visit", "by the list", "in the store", "ratio"],
+                        [[f"`{row['config']}`", f"{row['objects']:,}", f"{row['memory']:g}", row["visit"], *cost] for row, cost in zip(rows, costs)])
+    return markdown(["scene", "objects", "words a cycle", "from step", "steps", "`roam`", "chunks", "ghosts", "by the list", "in the store", "ratio", "lanes", "memory"],
+                    [[row["scene"].partition(".")[0], f"{row['objects']:,}", f"{row['memory']:g}", f"{row['from']:,}", row["steps"], f"{row['roam']:g}" if row["roam"] else "–",
+                      row["chunks"], f"{row['ghosts']:,}", *cost, f"{row['lanes_busy']:.0%}", f"{row['memory_busy']:.0%}"] for row, cost in zip(rows, costs)])
+
+
+def page(text, found):
+    """docs/memory.md with the tables of what was measured."""
+    for part in PARTS:
+        rows = [row for row in found["rows"] if row["part"] == part]
+        text = between(text, part, table(part, rows)) if rows else text
+    return text
+
+
+def kept(path, form, parts):
+    """Rows of other parts, measured in the same form."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return []
+    return [row for row in found["rows"] if row.get("part") not in parts] if found.get("about") == {"form": form} else []
+
+
 def main():
     parser = argparse.ArgumentParser(description="the processor with a memory of its own, simulated")
-    parser.add_argument("--quick", action="store_true", help="few objects, and none that are near each other: tests/bare/test_linked.py has those")
-    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="these alone")
+    parser.add_argument("--quick", action="store_true", help="few objects, and none that are near each other")
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=[*PARTS], help="these alone")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/alone.json", help="where rows go (%(default)s)")
     args = parser.parse_args()
-    build = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build"))
-    made = {"loads": lambda: loads(build, 2500 if args.quick else 10_000), "chunks": lambda: chunks(build, *((2100, 2) if args.quick else (None, None))),
-            "linked": lambda: linked(build, *((list(LINKED)[:1], 2) if args.quick else (LINKED, 100))),
-            "near": lambda: near(build, *(((), 2) if args.quick else (NEAR, 100)))}
-    rows = [row for part in made if part in args.parts for row in made[part]()]
-    for row in rows:
-        print(text(row))
+    build, form, rows = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build")), "quick" if args.quick else "full", []
+    asked = [(part, arguments) for part in PARTS if part in args.parts for arguments in PARTS[part](build, args.quick)]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        try:
+            for (part, _), row in zip(asked, pool.map(lambda one: alone(build, *one[1]), asked)):
+                rows.append({"part": part} | row)
+                print(text(row), flush=True)
+        except SystemExit:                  # the first that fails ends all that have not begun
+            pool.shutdown(cancel_futures=True)
+            raise
+    rows += kept(args.output, form, args.parts)
     args.output.parent.mkdir(parents=True, exist_ok=True)
-    args.output.write_text(json.dumps({"rows": rows}, indent=1) + "\n", encoding="utf-8")
+    args.output.write_text(json.dumps({"about": {"form": form}, "rows": sorted(rows, key=lambda row: [*PARTS].index(row["part"]))}, indent=1) + "\n", encoding="utf-8")
     if any(map(misses, rows)):
         sys.exit("alone.py: a word or a step takes too long")
 

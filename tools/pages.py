@@ -141,7 +141,12 @@ def arithmetic(results):
     return {"arithmetic_results.md": text} | ({"arithmetic.svg": arithmetic.draw(found)} if found else {})
 
 
-PAGES = {page.__name__: page for page in (results, sizes, bench, skip, stress, tune, scenes, world, bodies, cluster, everywhere, arithmetic)}
+def memory(results):
+    import alone
+    return {"memory.md": alone.page(results.page("memory.md"), results("alone.json", "alone"))}
+
+
+PAGES = {page.__name__: page for page in (results, sizes, memory, bench, skip, stress, tune, scenes, world, bodies, cluster, everywhere, arithmetic)}
 
 
 def text_of(made):

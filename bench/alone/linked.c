@@ -191,13 +191,13 @@ void measure_linked(const char *config, const linked_run *run, uint32_t rate, ui
     NEED(hash == hash_after(&l, steps));
     printf("{\"scene\": \"%s\", \"config\": \"%s\", \"memory\": %g, \"latency\": %" PRIu32
            ", \"objects\": %" PRIu32 ", \"from\": %" PRIu32 ", \"steps\": %" PRIu32
-           ", \"chunks\": %" PRIu32 ", \"ghosts\": %" PRIu32
+           ", \"roam\": %g, \"chunks\": %" PRIu32 ", \"ghosts\": %" PRIu32
            ", \"words_in\": %.2f, \"words_out\": %.2f, \"descriptors\": %" PRIu64
            ", \"cycles_per_object_step\": %.3f, \"in_store\": %.3f, \"lanes_busy\": %.4f, "
            "\"memory_busy\": %.4f, \"hash\": \"%016" PRIx64
            "\", \"host_accesses_between_steps\": %" PRIu64 "}\n",
            name_of(run->scene), config, rate / 1000.0, latency, chunks->cut.objects, run->from,
-           steps, chunks->cut.count, l.ghosts, (double)chunks->in / l.objects,
+           steps, run->roam, chunks->cut.count, l.ghosts, (double)chunks->in / l.objects,
            (double)chunks->out / l.objects, chunks->descriptors, cycles / l.objects, l.in_store,
            l.in_chunks * l.objects / cycles, words / (rate < 1000 ? rate / 1000.0 : 1) / cycles,
            hash, between);
