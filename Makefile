@@ -466,6 +466,11 @@ fuzz: $(FUZZ)/fuzz_model ## Feed bytes to the model compiler (libFuzzer); what b
 fuzz-corpus: $(FUZZ)/fuzz_model ## Add to tests/fuzz/corpus/ what build/fuzz/found/ reaches and the corpus does not
 	@$(FUZZ_RUN) -merge=1 -use_counters=0 tests/fuzz/corpus tests/fuzz/seeds $(FUZZ)/programs $(FUZZ)/found
 
+# The same build holds all mutants of a part: each is chosen while a test runs.
+.PHONY: mutate-c
+mutate-c: all | need-test ## Change one place of the C software after another, and say which test sees it: build/results/mutation_c.json; PARTS="..." of tests/mutants.toml, COUNT=100 of each (0: all), SEED=
+	@.venv/bin/python tools/mutate_c.py --output $(RESULTS)/mutation_c.json $(if $(PARTS),--parts $(PARTS)) $(if $(COUNT),--count $(COUNT)) $(if $(SEED),--seed $(SEED))
+
 # ---- what pages say -----------------------------------------------------------------------------
 
 EVIDENCE = $(PYTHON) tools/evidence.py --fp3 $(BUILD)/bin/fp3 $(if $(ONLY),--only $(ONLY)) $(foreach kind,$(KIND),--kind $(kind))

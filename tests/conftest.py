@@ -28,7 +28,7 @@ def pytest_addoption(parser):
 
 
 # What takes longest begins first, or one processor would wait at the end for another one's.
-FIRST = ("world/test_world_tool.py", "replay/test_netlist.py", "lint/test_lint.py::test_this_tree_is_clean", "formal/test_prove.py", "docs/test_tutorials.py",
+FIRST = ("docs/test_evidence.py", "world/test_world_tool.py", "replay/test_netlist.py", "lint/test_lint.py::test_this_tree_is_clean", "formal/test_prove.py", "docs/test_tutorials.py",
          "cluster/test_cluster_tool.py", "bench/test_bench.py", "cluster/test_ranks.py", "tune/", "fpga/test_ecp5.py", "fast/test_fast.py::test_random")
 
 

