@@ -1,79 +1,15 @@
 """The promises of the control modules, each stated in a specification beside this file, proved by induction."""
 
-import sys
-from pathlib import Path
-from typing import NamedTuple
-
-from induction import Machine, Refuted, Unproved
-from mutants import Bug
-
-HERE = Path(__file__).parent
-ROOT = Path(__file__).resolve().parents[2]
-sys.path += [str(ROOT / "tools"), str(ROOT / "tests")]
+import tile
+from subject import Subject, TIMING, configurations, latency
 
 import master_bugs
-from fp3gen.read import load
-
-TIMING = load(ROOT).timing
-
-
-class Subject(NamedTuple):
-    spec: str                            # the specification's module and file, which instantiates ours
-    sources: tuple                       # files of ours: that of the seeded bugs first, and what is included
-    title: str                           # of a shape, by its parameters
-    shapes: list                         # parameter sets to prove
-    bugs: list                           # (name, right, wrong, parameters)
-    depth: int = 1                       # of the induction
-    models: tuple = ()                   # files beside the specification, in place of modules of ours
-    cycles: int = 24                     # a seeded bug must show within so many of reset; 0: such runs take minutes to find, it must break the induction
-
-    def machine(self, yosys, files, shape, lemmas):
-        texts = {name: files[name] for name in self.sources}
-        texts |= {name: (HERE / name).read_text() for name in (f"{self.spec}.v", *self.models)}
-        chosen = " ".join(f"-set {name} {value}" for name, value in {**shape, "LEMMAS": lemmas}.items())
-        read = " ".join(name for name in texts if name.endswith(".v"))
-        return Machine(yosys, f"read_verilog -formal {read}; chparam {chosen} {self.spec}; "
-                       f"hierarchy -top {self.spec}; proc; memory_collect; memory_map", self.spec, texts)
-
-    def prove(self, yosys, files, shape):
-        return self.machine(yosys, files, shape, 1).prove(self.depth)
-
-    def find(self, yosys, files, bug, shape):
-        """A seeded bug must break a promise in a run from reset, where lemmas about registers do not count, or the induction."""
-        try:
-            if self.cycles:
-                self.machine(yosys, bug.patch(files), shape, 0).refute(self.cycles)
-            else:
-                self.prove(yosys, bug.patch(files), shape)
-        except (Refuted, Unproved) as found:
-            return f"found: {found}"
-        raise RuntimeError("the bug was not found")
-
-    def cases(self):
-        module = self.sources[0].removeprefix("fp3_").removesuffix(".v")
-        for shape in self.shapes:
-            yield (f"{module}, {self.title.format(**shape)}",
-                   lambda yosys, files, shape=shape: self.prove(yosys, files, shape))
-        for name, right, wrong, shape in self.bugs:
-            bug = Bug(module, name, self.sources[0], right, wrong)
-            yield f"seeded: {name}", lambda yosys, files, bug=bug, shape=shape: self.find(yosys, files, bug, shape)
-
-
-def configurations(**wanted):
-    """The rows of isa/configs.toml with these values."""
-    return [row for row in load(ROOT).configs if all(row[key] == value for key, value in wanted.items())]
 
 
 # ---- the scoreboard -----------------------------------------------------------------------------
 
 def scoreboard(reg_w, bypass, chain, add, mul):
     return {"REG_W": reg_w, "BYPASS": bypass, "CHAIN": chain, "ADD_LATENCY": add, "MUL_LATENCY": mul}
-
-
-def latency(row, core):
-    return row.get(f"{core}_latency", row[f"{core}_cuts"].bit_count() + 1)
-
-
 
 
 def used(row):
@@ -311,5 +247,5 @@ MASTER = Subject("master_spec", ("fp3_master.v", "fp3_turns.v", "gen/registers.v
 
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, TRANSFER, MASTER):
+    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, TRANSFER, MASTER, *tile.SUBJECTS):
         yield from subject.cases()

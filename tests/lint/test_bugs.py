@@ -30,13 +30,17 @@ def formal(root, rows):
     return [(bug.name, source(root, bug.file), bug.right) for bug in rows]
 
 
+def subjects(root, at):
+    return [(name, source(root, subject.sources[0]), right) for subject in vars(at).values() if isinstance(subject, at.Subject) for name, right, *_ in subject.bugs]
+
+
 LISTS = {
     "tests/modules/test_modules.py": lambda root, at: formal(root, [bug for promise in at.BUGS.values() for bug in promise]),
     "tests/modules/test_parts.py": lambda root, at: formal(root, [bug for part in at.BUGS.values() for bug in part]),
     "tests/formal/mutants.py": lambda root, at: formal(root, at.BUGS),
     "tests/formal/scale.py": lambda root, at: formal(root, at.BUGS),
-    "tests/formal/control.py": lambda root, at: [(name, source(root, subject.sources[0]), right) for subject in vars(at).values()
-                                                 if isinstance(subject, at.Subject) for name, right, *_ in subject.bugs],
+    "tests/formal/control.py": lambda root, at: subjects(root, at),
+    "tests/formal/tile.py": lambda root, at: subjects(root, at),
     "tests/fast/test_fast.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fp/test_fp.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fpga/test_ecp5.py": lambda root, at: named(root, [(name, (f"fpga/{'/'.join(at.place(bug[0]))}.v", bug[1])) for name, bug in at.BUGS.items()]),
