@@ -46,4 +46,45 @@ ROUNDS = Subject(
         ("after an abort copies are waited for", "if (aborted_q)     state_q <= WAIT;", "if (1'b0)     state_q <= WAIT;", COPIES),
     ], cycles=18)
 
-SUBJECTS = [ROUNDS]
+# ---- loops over neighbours -------------------------------------------------------------------------
+
+# Lists are told soon, for the runs from reset.
+LOOP, = named("world_keep", TIMING_LIST=0)
+
+LOOPS = Subject(
+    "loops_spec", ("fp3_loops.v",), "", [*named("world", "world_keep", "fabric"), LOOP], [
+        ("neighbours see r32 and above of this step", "published = {setting_published_more, setting_published}", "published = {32'd0, setting_published}", LOOP),
+        ("a published word is loaded of the other half", "&& half_q != st;", "&& half_q == st;", LOOP),
+        ("a word of a list has a half", "(to_memory || ldn) && !of_entry &&", "(to_memory || ldn) &&", LOOP),
+        ("the neighbour's word by the own register's number", "ldn ? b[REGISTER_W-1:0] : d", "d", LOOP),
+        ("words are taken while lists are not told", "hold_o = waits_q || knows_q || jump_q", "hold_o = knows_q || jump_q", LOOP),
+        ("words are taken in the cycle of a jump", "hold_o = waits_q || knows_q || jump_q", "hold_o = waits_q || knows_q", LOOP),
+        ("lists are told a cycle early", "wait_q - 1'b1 : WAIT_32[WAIT_W-1:0]", "wait_q - 1'b1 : WAIT_32[WAIT_W-1:0] - 1'b1", LOOP),
+        ("lists are told while `each` issues", "waits_q && still_i ? wait_q", "waits_q ? wait_q", LOOP),
+        ("an empty list has a turn", "skips_q <= longest_i == {LENGTH_W{1'b0}}", "skips_q <= 1'b0", LOOP),
+        ("words behind the loop are dropped, too", "else if (over || (take_i && next)) skips_q <= 1'b0", "else if (over) skips_q <= 1'b0", LOOP),
+        ("a turn too few", "final_q  <= turn_q + 1'b1 == turns_q", "final_q  <= turn_q + 2'd2 == turns_q", LOOP),
+        ("turns go on from the loop before", "if (begins)    turn_q <= {LENGTH_W{1'b0}};", "if (1'b0)    turn_q <= {LENGTH_W{1'b0}};", LOOP),
+        ("`next` issues in the last turn", "(phase || (next && final_q))", "phase", LOOP),
+        ("a turn begins at `each`", "if (begins) loop_q <= behind", "if (begins) loop_q <= pc_i", LOOP),
+        ("the first entry again", "next ? end_q : each", "next ? fields_q : each", LOOP),
+        ("an entry ends with the last field read in order", "if (field_q && offset_q >= end_q) end_q  <= offset_q + 1'b1", "if (field_q && offset_q >= end_q) end_q  <= load_q", LOOP),
+        ("an entry ends behind the field touched last", "field_q && offset_q >= end_q", "field_q", LOOP),
+        ("fields by number from the list's begin", "numbered = fields_q +", "numbered =", LOOP),
+        ("a field by number moves those in order", "if (field && !by_number)", "if (field)", LOOP),
+        ("behind a loop words are of it", "around_inside = inside_q && !next", "around_inside = 1'b1", LOOP),
+        ("`next` in the turn before", "each ? {LENGTH_W{1'b0}} : turn_q + 1'b1", "each ? {LENGTH_W{1'b0}} : turn_q", LOOP),
+        ("a batch begins at the program's first word", "target_q <= phase_q;", "target_q <= {PROGRAM_W{1'b0}};", LOOP),
+        ("a round begins with the phase that is over", "phase_q   <= ahead;", "phase_q   <= phase_q;", LOOP),
+        ("a step is over after a phase", "partial_q <= once_more || !ends_i", "partial_q <= 1'b0", LOOP),
+        ("phases are made once more", "{behind, d - 1'b1}", "{behind, d}", LOOP),
+        ("phases are made once", "returns && left_q != {REGISTER_W{1'b0}}", "1'b0", LOOP),
+        ("they begin with `repeat` itself", "{first_q, left_q} <= {behind,", "{first_q, left_q} <= {pc_i,", LOOP),
+        ("the halves stay", "else if (round_end_i && !held_o) half_q <= !half_q", "", LOOP),
+        ("`hold` changes the halves", "round_end_i && !held_o", "round_end_i", LOOP),
+        ("`hold` leaves out nothing", "left_out      = legal && holds ? words[PROGRAM_W-1:0]", "left_out      = legal && holds ? {PROGRAM_W{1'b0}}", LOOP),
+        ("`hold` leaves out its words though one has raised", "returns_there = chooses_q && raised_q", "returns_there = 1'b0", LOOP),
+        ("who has raised counts in the next phase", "if (rst_i || start_i || open_i) {held_q, chooses_q, raised_q} <= 3'd0;", "if (rst_i || start_i) {held_q, chooses_q, raised_q} <= 3'd0; else if (open_i) {held_q, chooses_q} <= 2'd0;", LOOP),
+    ])
+
+SUBJECTS = [ROUNDS, LOOPS]
