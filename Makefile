@@ -439,6 +439,10 @@ accuracy: $(BUILD)/tests/every_float ## Compare functions of states with libm fo
 prove: | need-prove ## Prove the floating-point cores equal to an IEEE 754 model
 	@$(PYTHON) tests/formal/prove.py --jobs $(JOBS) $(PROVE_ARGS)
 
+.PHONY: mutate
+mutate: all | need-prove ## Mutants of the hardware against the tests, and which of them nothing sees: build/results/mutation.json; MODULES="rounds issue", COUNT=40, SEED=
+	@$(PYTHON) tools/mutate.py --jobs $(JOBS) $(if $(MODULES),--modules $(MODULES)) $(if $(COUNT),--count $(COUNT)) $(if $(SEED),--seed $(SEED))
+
 # ---- fuzzing ------------------------------------------------------------------------------------
 
 FUZZ        := $(BUILD)/fuzz

@@ -68,15 +68,17 @@ def config(root, *arguments):
     return subprocess.run([python(root), "-m", "cocotb.config", *arguments], capture_output=True, text=True, check=True).stdout.strip()
 
 
-def cocotb(root, folder, bench, module, whole=True, **environment):
-    """Runs the tests of a Python module on what was compiled; `environment` is for them. Not `whole`: up to the first that fails."""
+def cocotb(root, folder, bench, module, whole=True, seconds=None, **environment):
+    """Runs the tests of a Python module on what was compiled; `environment` is for them. Not `whole`: up to the first that fails. After so many
+    `seconds` of processor time it is ended, and has not passed."""
     results = folder / "results.xml"
     results.unlink(missing_ok=True)
     own = {"MODULE": module.stem, "TOPLEVEL": bench.stem, "TOPLEVEL_LANG": "verilog", "PYTHONPATH": str(module.parent),
            "LIBPYTHON_LOC": config(root, "--libpython"), "VIRTUAL_ENV": str(root / ".venv"), "COCOTB_RESULTS_FILE": str(results),
            "PYTHONDONTWRITEBYTECODE": "1", **{name: str(value) for name, value in environment.items()}}
     said = []
-    with subprocess.Popen(["vvp", "-n", "-M", config(root, "--lib-dir"), "-m", config(root, "--lib-name", "vpi", "icarus"), bench], cwd=folder,
+    limit = ["prlimit", f"--cpu={seconds}"] if seconds else []
+    with subprocess.Popen([*limit, "vvp", "-n", "-M", config(root, "--lib-dir"), "-m", config(root, "--lib-name", "vpi", "icarus"), bench], cwd=folder,
                           env={**os.environ, **own}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         for line in process.stdout:
             said.append(line)

@@ -146,7 +146,12 @@ def memory(results):
     return {"memory.md": alone.page(results.page("memory.md"), results("alone.json", "alone"))}
 
 
-PAGES = {page.__name__: page for page in (results, sizes, memory, bench, skip, stress, tune, scenes, world, bodies, cluster, everywhere, arithmetic)}
+def mutation(results):
+    from fp3mutate import page
+    return {"mutation.md": page.page(results("mutation.json", "mutate"))}
+
+
+PAGES = {page.__name__: page for page in (results, sizes, memory, bench, skip, stress, tune, scenes, world, bodies, cluster, everywhere, arithmetic, mutation)}
 
 
 def text_of(made):

@@ -20,6 +20,10 @@ class Unbalanced(Exception):
     """A circuit that is not a feed-forward pipeline with equal paths."""
 
 
+class Unanswered(Exception):
+    """A question takes too long."""
+
+
 class Aig:
     def __init__(self):
         self.fanin = [None]          # per node: None for the constant and inputs, else two literals
@@ -187,9 +191,9 @@ class Netlist:
 class Question:
     """Can all the given literals of an Aig be true at once?"""
 
-    def __init__(self, aig, wanted, about=()):
-        """about: literals that further clauses may speak of."""
-        self.aig = aig
+    def __init__(self, aig, wanted, about=(), seconds=None):
+        """about: literals that further clauses may speak of. After `seconds` there is no answer: Unanswered."""
+        self.aig, self.seconds = aig, seconds
         self.wanted = list(wanted)
         clauses = ["-1 0"]           # variable n + 1 is node n
         seen, stack = {0}, [lit // 2 for lit in [*wanted, *about]]
@@ -220,9 +224,11 @@ class Question:
         with tempfile.TemporaryDirectory(prefix="fp3-prove-") as folder:
             cnf = Path(folder) / "question.cnf"
             cnf.write_text(f"p cnf {len(self.aig.fanin)} {n_clauses}\n" + "\n".join(rows) + "\n")
-            run = subprocess.run(["cadical", "-q", "--unsat", str(cnf)], capture_output=True, text=True)
+            run = subprocess.run(["cadical", "-q", "--unsat", *(["-t", str(self.seconds)] if self.seconds else []), str(cnf)], capture_output=True, text=True)
         if run.returncode == 20 and "s UNSATISFIABLE" in run.stdout:
             return None
+        if run.returncode == 0 and self.seconds:
+            raise Unanswered(f"no answer within {self.seconds} s")
         if run.returncode != 10:
             raise RuntimeError(f"cadical ended with {run.returncode}: {run.stderr or run.stdout}")
         true = {int(n) for line in run.stdout.splitlines() if line[0] == "v"

@@ -1,0 +1,1 @@
+"""Mutants of the hardware: tools/mutate.py."""
