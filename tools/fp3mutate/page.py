@@ -27,7 +27,8 @@ METHOD = """
 - The rungs: `bench` is the module's bench of cocotb under Icarus (`tests/modules`). `fp_small`, `lns_rtl` are programs that compare arithmetic with
   tables and models. `random_stream`, `host_port`, `neighbours` and `given` compare a whole processor under Verilator with the engine `isa`. They are shorter
   here than in `make test`.
-- The proofs of `tests/formal` do not take part. They cover `scoreboard`, `arbiter`, `pace`, `dual_pace`, `rounds`, the bus and the cores: what is open there, they may well see.
+- The proofs of `tests/formal` do not take part. They cover `scoreboard`, `arbiter`, `pace`, `dual_pace`, `rounds`, `loops`, the bus and the cores:
+  what is open there, they may well see.
 - Equivalence is asked of all that the bench has. In a whole processor it is asked of the module alone, with any inputs: a change that counts only for
   inputs that never come stays open. Memories are taken out: what they are given must be the same.
 - The same seed gives the same mutants. `make mutate` takes a fresh one, and prints it.
@@ -45,7 +46,8 @@ def page(data):
     rows = sorted(data["modules"], key=lambda row: row["name"])
     total = {key: sum(row[key] for row in rows) for key in ("mutants", "killed", "equivalent", "open")}
     share = total["killed"] / max(1, total["mutants"] - total["equivalent"])
-    lines = [TOP, f"Of {total['mutants']:,} mutants in {len(rows)} modules {total['killed']:,} are killed, {total['equivalent']:,} are equivalent and "
+    lines = [TOP, f"Of {total['mutants']:,} mutants in {len(rows)} modules "
+             f"{total['killed']:,} are killed, {total['equivalent']:,} are equivalent and "
              f"{total['open']:,} are open: a score of {100 * share:.1f} %.\n",
              "| module | mutants | killed by | equivalent | open | score |", "|---|---|---|---|---|---|"]
     for row in rows:
