@@ -31,7 +31,7 @@ BUGS = {
         ("goes on elsewhere where the word is the one that was said", "other  = comes && answer_rdata_i !=", "other  = comes && answer_rdata_i =="),
         ("goes on elsewhere though a run goes on", "comes  = answered_i && wait_q && !answer_rdata_i[0];", "comes  = answered_i && wait_q && !(answer_rdata_i[0] && !otherwise_q);"),
         ("goes on behind the descriptor", "first = next && !elsewhere_q ? next_q", "first = next ? next_q"),
-        ("goes on elsewhere by an address of its own", "next_q <= first + 30'd4;", "next_q <= elsewhere_q ? next_q + 30'd4 : first + 30'd4;"),
+        ("goes on elsewhere by an address of its own", "next_q <= first;", "next_q <= elsewhere_q ? next_q : first;"),
         ("within a part nobody goes elsewhere", "elsewhere_q || (other && otherwise_q)", "elsewhere_q || (other && otherwise_q && !again_q)"),
         ("from the last descriptor nobody goes elsewhere", "more   = more_q || elsewhere_q", "more   = more_q"),
         ("`otherwise` alone", "&& (rdata_i[TRANSFER_CONTROL_WAIT_LO] || !rdata_i[TRANSFER_CONTROL_OTHERWISE_LO]);", ";"),
@@ -40,7 +40,7 @@ BUGS = {
         ("an error of memory's is none", "bad    = (reads && rerror_i) || (closes && berror_i)", "bad    = reads && rerror_i"),
         ("the first burst for all", "else if (closes)  oldest_q", "else if (closes && rst_i)  oldest_q"),
         ("the last word of a burst is not said", "&memory_q[9:2] || words_q", "words_q"),
-        ("a list wraps within 1 KB", "next_q <= first + 30'd4;", "next_q <= {first[31:10], first[9:2] + 8'd4};"),
+        ("a list wraps within 1 KB", "next_q + {27'd0, fetches_q, 2'd0}", "{next_q[31:10], next_q[9:2] + {5'd0, fetches_q, 2'd0}}"),
     ],
     "fp3_master.v": [
         ("all addresses wrap", "|bytes[31:ADDRESS_W] ? NOWHERE :", "1'b0 ? NOWHERE :"),

@@ -94,6 +94,8 @@ module fp3_transfer #(
     reg                rests_q;        // all that was begun is over; of a descriptor, strays_q is of it
     reg                more_q;         // when what is done is over, another descriptor comes
     reg  [31:2]        next_q;         // ... from here
+    reg                fetches_q;      // next_q is where a descriptor begins, and moves behind it
+    wire [31:2]        behind = next_q + {27'd0, fetches_q, 2'd0};
     reg                wait_q, waited_q; // a word of a place is waited for, and has come
     reg                otherwise_q;    // ... and if it is another one than was said, the list goes on elsewhere
     reg                elsewhere_q;    // ... as it does
@@ -142,7 +144,7 @@ module fp3_transfer #(
                 shown[TRANSFER_STATUS_REFUSED_LO]      = refused_q && !busy_q;
             end
             ERROR:   shown = {error_q, 2'd0} & {32{failed}};
-            NEXT:    shown = {next_q, 2'd0};
+            NEXT:    shown = {behind, 2'd0};
             default: shown = 32'd0;
         endcase
     end
@@ -292,8 +294,10 @@ module fp3_transfer #(
             if (asked)      run_left_q <= run_ends ? run_q : run_left_q - 6'd1;
             if (answered_i) due_left_q <= due_ends ? run_q : due_left_q - 6'd1;
         end
-        if (go && fetch)                     next_q <= first + 30'd4;
+        fetches_q <= go && fetch;
+        if (go && fetch)                     next_q <= first;
         else if (back)                       next_q <= memory_q;
+        else                                 next_q <= behind;
         if (go)                              ask_left_q <= repeats ? {WORDS_W{1'b0}} : words_q;
         else if (asked)                      ask_left_q <= ask_left_q - {{WORDS_W-1{1'b0}}, 1'b1};
 

@@ -292,7 +292,7 @@ module transfer_spec #(
     (* hierconn *) wire [1:0]   \u_transfer.word_number_q ;
     (* hierconn *) wire [5:0]   \u_transfer.bursts_q , \u_transfer.run_q , \u_transfer.skip_q , \u_transfer.run_left_q , \u_transfer.due_left_q ;
     (* hierconn *) wire [21:0]  \u_transfer.said_q ;
-    (* hierconn *) wire         \u_transfer.rests_q , \u_transfer.strays_q , \u_transfer.again_q ;
+    (* hierconn *) wire         \u_transfer.fetches_q , \u_transfer.rests_q , \u_transfer.strays_q , \u_transfer.again_q ;
     (* hierconn *) wire [31:2]  \u_transfer.again_at_q , \u_transfer.due_q ;
     (* hierconn *) wire [C-1:0] \u_transfer.again_left_q ;
     (* hierconn *) wire [9:0]   \u_transfer.owed_q ;
@@ -329,7 +329,7 @@ module transfer_spec #(
                 if (memory_set_q) assert (\u_transfer.memory_q == (sends ? memory_q + 30'd1 : memory_q));
                 if (place_set_q)  assert (\u_transfer.place_q == place_q);
                 if (words_set_q)  assert (\u_transfer.words_q == (sends ? words_q - ONE : words_q));
-                if (next_set_q)   assert (\u_transfer.next_q == next_q);
+                if (next_set_q)   assert (\u_transfer.next_q + {27'd0, \u_transfer.fetches_q , 2'd0} == next_q);
                 if (failed)       assert (\u_transfer.error_q == error_q);
                 assert (!fetch_q || (next_set_q && next_q == base_q + 30'd4) || !busy_q);
                 if (!busy_q) begin
@@ -338,6 +338,7 @@ module transfer_spec #(
                 end
                 if (reset_q) assert (!busy_q && !failed && filled == 0 && bursts_of_q == 0 && moved_q == 0 && asked_q == 0);
                 if (busy_q) begin
+                    if (\u_transfer.fetches_q ) assert (fetch_q && moved_q == 0 && \u_transfer.owed_q == 0 && !\u_transfer.rests_q );
                     assert (memory_set_q && (fetch_q || (place_set_q && words_set_q)));
                     assert (\u_transfer.store_q == store_q && \u_transfer.wait_q == wait_q && (fetch_q || \u_transfer.stay_q == stay_q));
                     assert (!(fetch_q && (store_q || wait_q)) && !(store_q && wait_q) && (!more_q || next_set_q));
