@@ -87,4 +87,31 @@ LOOPS = Subject(
         ("who has raised counts in the next phase", "if (rst_i || start_i || open_i) {held_q, chooses_q, raised_q} <= 3'd0;", "if (rst_i || start_i) {held_q, chooses_q, raised_q} <= 3'd0; else if (open_i) {held_q, chooses_q} <= 2'd0;", LOOP),
     ])
 
-SUBJECTS = [ROUNDS, LOOPS]
+# ---- copies from lane to lane ----------------------------------------------------------------------
+
+# A short way, for the runs from reset.
+LANES, = named("fabric", lanes=2, TIMING_END=1)
+
+EXCHANGE = Subject(
+    "exchange_spec", ("fp3_exchange.v", "fp3_delay.v"), "", [*named("fabric"), LANES], [
+        ("r32 and above are not copied", "left_q <= {setting_published_more, setting_published}", "left_q <= {32'd0, setting_published}", LANES),
+        ("the first copy of a list alone", "if (index_q == end_index_q) state_q <= LOW", "state_q <= LOW", LANES),
+        ("a copy is left out", "setting_copies[STORE_W-1:1] - 1'b1", "setting_copies[STORE_W-1:1] - 2'd2", LANES),
+        ("a word is left out", "left_q <= left_q & ~low_q", "left_q <= left_q & ~{low_q[62:0], 1'b0} & ~low_q", LANES),
+        ("a word is copied for ever", "left_q <= left_q & ~low_q", "left_q <= left_q", LANES),
+        ("the row of the first copy for all", "index_q <= state_q == WALK ? index_q + 1'b1", "index_q <= state_q == WALK && index_q != 0 ? index_q + 1'b1", LANES),
+        ("the lane of another copy", "to_index_q <= to_reads ? to_index_q + 1'b1", "to_index_q <= to_reads ? to_index_q", LANES),
+        ("a word of the wrong number", ".N(WAY)) u_to_register (.clk_i(clk_i), .rst_i(1'b0), .d_i(from_register)", ".N(1)) u_to_register (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_q)", LANES),
+        ("a copy comes a cycle early", ".N(WAY)) u_to_reads", ".N(WAY-1)) u_to_reads", LANES),
+        ("the lower half is read always", "around_half   = half_i", "around_half   = 1'b0", LANES),
+        ("the lower half is written always", "{half_i, {STORE_W-1{1'b0}}}", "{STORE_W{1'b0}}", LANES),
+        ("nothing goes to all", "to_all ? HOST_EVERY : HOST_OBJECT", "HOST_OBJECT", LANES),
+        ("small records", "{to_row, 3'd0} << setting_record", "{to_row, 3'd0}", LANES),
+        ("the end comes at once", "state_q == DRAIN ? drain_q - 1'b1 : WAY_32[DRAIN_W-1:0]", "{DRAIN_W{1'b0}}", LANES),
+        ("an empty list has copies", "left_q != 64'd0 && !none", "left_q != 64'd0", LANES),
+        ("copies go on after an abort", "if (rst_i || abort_i) begin", "if (rst_i) begin", LANES),
+        ("the last words go on after an abort", "u_to (.clk_i(clk_i), .rst_i(rst_i || abort_i)", "u_to (.clk_i(clk_i), .rst_i(rst_i)", LANES),
+        ("the other half of the list is written", "to_write = write_i && write_addr_i[0]", "to_write = write_i && !write_addr_i[0]", LANES),
+    ], models=("one_late_word.v",), cycles=14)
+
+SUBJECTS = [ROUNDS, LOOPS, EXCHANGE]
