@@ -245,7 +245,37 @@ MASTER = Subject("master_spec", ("fp3_master.v", "fp3_turns.v", "gen/registers.v
                  [BOTH, {"ADDRESS_W": 24, "INSIDE": 20, "READS_W": 4}], seeded("fp3_master.v", BOTH), models=("any_transfer.v",))
 
 
+# ---- the host -------------------------------------------------------------------------------------
+
+def schedulers(n, quiet):
+    return {"N": n, "QUIET": quiet}
+
+
+ALONE, CROWD = schedulers(3, 2), schedulers(40, 0)
+
+HUB = Subject(
+    "hub_spec", ("fp3_hub.v", "host/answer.vh", "gen/registers.vh", "config/undefine.vh"), "{N} schedulers, quiet for {QUIET}",
+    [schedulers(1, 0), schedulers(2, 14), schedulers(4, 12), ALONE, CROWD, schedulers(64, 1)], [
+        ("all is the last scheduler", "|| who == ALL", "|| (who == ALL && NUMBER + 1 == N)", ALONE),
+        ("a request of nobody is none", "(nobody ? FIRST : whom)", "whom", ALONE),
+        ("nobody is somebody", "nobody ? NOWHERE : req_addr_i[23:0]", "req_addr_i[23:0]", ALONE),
+        ("nobody shows interrupts", "pending_q <= !nobody &&", "pending_q <=", ALONE),
+        ("schedulers from 32 on are shown twice", "addr_q[2] ? irqs[63:32] : irqs[31:0]", "irqs[31:0]", CROWD),
+        ("interrupts in every answer", "pending & {32{pending_q}}", "pending", ALONE),
+        ("the first answer is that of all", "answer = answer | answer_i[`FP3_ANSWER_W*k +: `FP3_ANSWER_W]", "answer = answer | answer_i[`FP3_ANSWER_W-1:0]", ALONE),
+        ("schedulers are asked in reset", "req_valid_i && !rst_i &&", "req_valid_i &&", ALONE),
+        ("a request is taken in reset", "req_ready_o = !rst_i && takes", "req_ready_o = takes", ALONE),
+        ("a write is answered in reset", "{answer_wrote && !rst_i,", "{answer_wrote,", ALONE),
+        ("a read is answered in reset", "answer_read && !rst_i,", "answer_read,", ALONE),
+        ("a start soon after a list's last number", "takes = quiet || streams", "takes = 1'b1", ALONE),
+        ("what streams waits, too", "takes = quiet || streams", "takes = quiet", ALONE),
+        ("a cycle too soon", "left_q <= QUIET[W-1:0]", "left_q <= QUIET[W-1:0] - 1'b1", ALONE),
+        ("a read is as loud as a write", "req_valid_i && req_write_i && streams", "req_valid_i && streams", ALONE),
+        ("address and data do not stand", "if (req_valid_i && takes) {write_q", "{write_q", ALONE),
+    ])
+
+
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, TRANSFER, MASTER, *tile.SUBJECTS):
+    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, TRANSFER, MASTER, HUB, *tile.SUBJECTS):
         yield from subject.cases()
