@@ -59,7 +59,6 @@ def all_of(root, made):
         of_part(root, "decode, dual"),
         of_part(root, "decode, lists that are made"),
         of_part(root, "hub, waits"),
-        of_part(root, "master", "master", "bursts", "transfer", "turns"),
         of_part(root, "fp_rint, cut"),
         of_part(root, "narrow, binary16"),
         of_part(root, "narrow, bfloat16"),
@@ -85,4 +84,5 @@ def all_of(root, made):
         of_config(made, "log", ("log_arith",), stream("log")),
         of_config(made, "fused_full", ("fused_arith", "fused_adder", "fp_value", "fp_estimate", "fp_exponent"), stream("fused_full")),
         of_config(made, "many_half", ("draws",), stream("many_half")),
+        of_part(root, "master", "master", "bursts", "transfer", "turns"),
     ]
