@@ -84,12 +84,12 @@ async def decode_says_what_is_legal(dut):
     chance = random.Random(1)
     legal = set()
     for _ in range(int(os.environ["FP3_WORDS"])):
-        code = chance.choice((chance.randrange(MORE), 128 + chance.randrange(20)))
+        code = chance.choice((chance.randrange(MORE),) * 3 + (128 + chance.randrange(20),) * 3 + (128 + chance.randrange(128),))
         row, word = ROWS.get(code), min(code, MORE) << ISA["field"]["op"][1]
         for name in "dabc":
             if row and name not in row["operands"] and chance.random() < 0.95:
                 continue
-            register = chance.randrange(KEYS["registers"] + (chance.random() < 0.05))
+            register = chance.randrange(64 if chance.random() < 0.05 else KEYS["registers"])
             word |= (register | (64 if name != "d" and chance.random() < 0.4 else 0)) << ISA["field"][name][1]
         if code >= 128:
             word = word & ~127 | code - 128

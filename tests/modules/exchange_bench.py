@@ -34,7 +34,7 @@ class Bench:
     async def set_up(self, copies, words):
         """Any list, any published words."""
         dut, rows = self.dut, self.store // 8
-        self.record, self.half = self.chance.randrange(2), self.chance.randrange(2)
+        self.record, self.half = self.chance.randrange(4), self.chance.randrange(2)
         self.published = sum(1 << word for word in self.chance.sample(range(self.registers), words))
         self.list = [[(self.chance.randrange(self.lanes), self.chance.randrange(rows >> self.record), 0),
                       (self.chance.randrange(self.lanes), self.chance.randrange(rows >> self.record), self.chance.randrange(2))] for _ in range(copies)]

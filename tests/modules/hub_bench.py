@@ -25,7 +25,7 @@ async def hub_asks_and_answers(dut):
         await FallingEdge(dut.clk_i)
         reset = chance.random() < 0.3
         valid, write = chance.random() < 0.6, chance.randrange(2)
-        who = chance.choice((*range(n + 1), 255))
+        who = chance.choice((*range(n + 1), 255, chance.randrange(n) ^ 1 << chance.randrange(8)))
         inside = chance.choice((chance.getrandbits(24), PENDING + chance.randrange(-4, 12)))
         address, data, irqs = who << 24 | inside, chance.getrandbits(32), chance.getrandbits(n)
         answers = [chance.getrandbits(36) if chance.random() < 0.5 else 0 for _ in range(n)]

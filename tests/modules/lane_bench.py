@@ -77,15 +77,16 @@ class Bench:
         await self.cycle()
         await self.idle(4)
 
-    async def set_up(self, count):
+    async def set_up(self, count, failed=False):
+        """failed: objects have any status before."""
         self.count = count
         await self.access(COUNT, 0, count)
         for number in range(self.registers):
             self.constants[number] = self.chance.getrandbits(32)
             await self.access(CONSTANT, number, self.constants[number], lane=self.chance.randrange(2))
         for row in range(self.rows):
-            self.status[row] = 0
-            await self.access(STATUS, row, 0)
+            self.status[row] = self.chance.getrandbits(32) if failed else 0
+            await self.access(STATUS, row, self.status[row])
             for number in range(self.registers):
                 self.store[row << 3 + RECORD | number] = self.chance.getrandbits(32)
                 await self.access(OBJECT, row << 3 + RECORD | number, self.store[row << 3 + RECORD | number])
@@ -177,6 +178,9 @@ async def lane_executes_for_the_objects_that_are_there(dut):
     await bench.start()
     await bench.set_up(bench.contexts + 1)
     await bench.round([0x7fffff0], 16)
+    await bench.read_all()
+    await bench.set_up(bench.rows, failed=True)            # the store is full
+    await bench.round([5], 3)
     await bench.read_all()
     assert min(bench.seen[name] for name in ("x", "y", "z", "end", "flags", "answer")) > 40, bench.seen
 

@@ -21,15 +21,16 @@ async def reports(dut, cycles, seed):
         dut.rst_i.value = int(cycle < 6)
         now = {"count_i": chance.randrange(1 << len(dut.count_i)), "longest_i": chance.randrange(1 << len(dut.longest_i)), "flags_i": chance.choice((0, 1 << chance.randrange(5))),
                "valid_i": int(cycle > 8 and chance.random() < 0.5), "batch_i": chance.randrange(2), "context_i": chance.randrange(1 << len(dut.context_i)),
-               "asleep_i": chance.randrange(2), "mine_i": int(chance.random() < 0.3), "space_i": chance.randrange(4), "copied_i": 0,
-               "stored_i": chance.getrandbits(32), "status_i": chance.getrandbits(32)}
+               "asleep_i": chance.randrange(2), "mine_i": int(chance.random() < 0.3), "space_i": chance.randrange(7), "copied_i": 0,
+               "stored_i": chance.getrandbits(32), "status_i": chance.getrandbits(32),
+               "raised_i": chance.randrange(2), "no_room_i": chance.randrange(2)}
         told.appendleft(now)
         now["copied_i"] = int(not (len(told) > 3 and told[3]["mine_i"]) and chance.random() < 0.3)
         asked = len(told) > 3 and told[3]["mine_i"] or now["copied_i"]       # the answers of lanes that are not asked are 0
         news = told[2] if len(told) > 2 else dict.fromkeys(now, 0)
         before.appendleft({"count": chance.randrange(1 << len(dut.count_i)), "longest": chance.randrange(1 << len(dut.longest_i)), "flags": chance.choice((0, 1 << chance.randrange(5))),
                            "answer": 0 if asked else chance.choice((0, chance.getrandbits(32))), "asleep": chance.randrange(2),
-                           "valid": news["valid_i"], "batch": news["batch_i"], "context": news["context_i"]})
+                           "raised": chance.randrange(2), "no_room": chance.randrange(2), "valid": news["valid_i"], "batch": news["batch_i"], "context": news["context_i"]})
         for name, value in now.items():
             getattr(dut, name).value = value
         dut.report_i.value = report.pack(**before[0])
@@ -55,6 +56,7 @@ async def lane_report_has_the_largest_count_and_all_flags(dut):
         assert got["count"] == max(before[1]["count"], told[1]["count_i"])
         assert got["longest"] == max(before[1]["longest"], told[1]["longest_i"])
         assert got["flags"] == before[0]["flags"] | told[0]["flags_i"]
+        assert got["raised"] == before[0]["raised"] | told[0]["raised_i"] and got["no_room"] == before[0]["no_room"] | told[0]["no_room_i"]
 
 
 @cocotb.test()

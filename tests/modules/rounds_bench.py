@@ -143,6 +143,16 @@ async def rounds_visits_beyond_65536_steps(dut):
 
 
 @cocotb.test()
+async def rounds_compares_all_bits(dut):
+    """Numbers of steps and visits that differ in one bit, or in a high one and the other way in the lowest; of each the first round."""
+    chance = await reset(dut)
+    for bit in range(32):
+        steps = chance.randrange(1, WORD)
+        for steps, visit in ((1 << bit, 1), (steps, steps ^ 1 << bit)):
+            await run(dut, chance, steps, visit, 0, stop_at=3 * int(dut.SETTLE.value))
+
+
+@cocotb.test()
 async def rounds_never_begins_fetch_after_an_abort(dut):
     """A stop, or an illegal word, in each cycle of a run of two rounds."""
     chance = await reset(dut)

@@ -12,11 +12,11 @@ BENCHES = {
     "lane_report": {**TILE, "LANES": 3},
     "issue": {**TILE, "MULTIPLY_ADD": 1},
     "keep": {**TILE, "MULTIPLY_ADD": 1, "NEIGHBOURS": 1, "SELECT": 1, "KEEP": 1},
-    "exchange": {**TILE, "LANES": 6, "ADD_LATENCY": 4, "MUL_LATENCY": 4, "NEIGHBOURS": 1},
+    "exchange": {**TILE, "REGISTERS": 64, "LANES": 6, "ADD_LATENCY": 4, "MUL_LATENCY": 4, "NEIGHBOURS": 1},
     "lane": {**TILE, "MULTIPLY_ADD": 1, "LANES": 2, "EXCEPTIONS": 2, "CONTEXTS": 2, "STORE_WORDS": 64, "REGISTERS": 4},
 }
 # ... and those that have parameters of their own.
-OWN = {"visits": {"CONTEXTS": 4, "CONTEXT_W": 3, "ROW_W": 4, "ENDED": 6}}
+OWN = {"visits": {"CONTEXTS": 6, "CONTEXT_W": 3, "ROW_W": 4, "ENDED": 6}}
 # By the promise that must be seen to be broken.
 BUGS = {
     "rounds_divides_the_steps_into_visits": [
@@ -31,6 +31,10 @@ BUGS = {
         Bug("the upper half does not count", "fp3_rounds.v", "no_visit_q || high_more_q || (high_same_q && low_more_q)", "no_visit_q || low_more_q"),
         Bug("the lower half alone does not count", "fp3_rounds.v", "(high_same_q && low_more_q)", "1'b0"),
         Bug("the lower half counts for all", "fp3_rounds.v", "(high_same_q && low_more_q)", "low_more_q"),
+    ],
+    "rounds_compares_all_bits": [
+        Bug("a bit of the upper half is not compared", "fp3_rounds.v", "setting_visit[31:16] == left_q[31:16]", "(setting_visit[31:16] | 16'd16) == (left_q[31:16] | 16'd16)"),
+        Bug("a bit of the steps does not count", "fp3_rounds.v", "none_left_q <= left_q == 32'd0", "none_left_q <= (left_q & ~32'd64) == 32'd0"),
     ],
     "rounds_never_begins_fetch_after_an_abort": [
         Bug("fetch begins though aborted", "fp3_rounds.v", "begin_o   = open_o && !aborted_q", "begin_o   = open_o"),
@@ -84,6 +88,9 @@ BUGS = {
     ],
     "lane_report_has_the_largest_count_and_all_flags": [
         Bug("the smallest count", "fp3_lane_report.v", "count_i > report_count ? count_i : report_count", "count_i > report_count ? report_count : count_i"),
+        Bug("no room in a lane before", "fp3_lane_report.v", "report_no_room || no_room_i", "no_room_i"),
+        Bug("this lane's room is not asked", "fp3_lane_report.v", "report_no_room || no_room_i", "report_no_room"),
+        Bug("what this lane raises is lost", "fp3_lane_report.v", "report_raised || raised_i", "report_raised"),
         Bug("flags of this lane alone", "fp3_lane_report.v", "report_flags | flags_i", "flags_i"),
     ],
     "lane_report_answers_the_host_for_its_lane": [
@@ -137,6 +144,7 @@ BUGS = {
     "exchange_copies_each_published_word_of_the_list": [
         Bug("the first copy of a list alone", "fp3_exchange.v", "if (index_q == end_index_q) state_q <= LOW", "state_q <= LOW"),
         Bug("a copy is left out", "fp3_exchange.v", "setting_copies[STORE_W-1:1] - 1'b1", "setting_copies[STORE_W-1:1] - 2'd2"),
+        Bug("words from 32 on are not copied", "fp3_exchange.v", "{setting_published_more, setting_published};", "{32'd0, setting_published};"),
         Bug("a word is left out", "fp3_exchange.v", "left_q <= left_q & ~low_q", "left_q <= left_q & ~{low_q[62:0], 1'b0} & ~low_q"),
         Bug("the lane of another copy", "fp3_exchange.v", "to_index_q <= to_reads ? to_index_q + 1'b1", "to_index_q <= to_reads ? to_index_q"),
         Bug("a word of the wrong number", "fp3_exchange.v", ".N(WAY)) u_to_register", ".N(WAY-4)) u_to_register"),
@@ -164,6 +172,7 @@ BUGS = {
         Bug("a half is a quarter", "fp3_lane_operands.v", "!twice_i2 && !halve_i2", "!twice_i2"),
         Bug("-0 is 0", "fp3_lane_operands.v", "z_q <= BITS_MINUS_ZERO", "z_q <= 32'd0"),
         Bug("one row for all", "fp3_lane_end.v", ".d_i(retire_row)", ".d_i({ROW_W{1'b0}})"),
+        Bug("a full store counts as nobody", "fp3_lane_end.v", "count_q <= data_i[ROW_W:0];", "count_q <= {1'b0, data_i[ROW_W-1:0]};"),
         Bug("one object too many", "fp3_lane_end.v", "{1'b0, retire_row} >= count_q", "{1'b0, retire_row} > count_q"),
     ],
     "lane_keeps_the_step_of_the_first_failure": [

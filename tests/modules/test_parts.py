@@ -135,6 +135,7 @@ BUGS = {
         Bug("a write is answered in reset", "fp3_hub.v", "{answer_wrote && !rst_i,", "{answer_wrote,"),
         Bug("a read is answered in reset", "fp3_hub.v", "answer_read && !rst_i,", "answer_read,"),
         Bug("schedulers are asked in reset", "fp3_hub.v", "req_valid_i && !rst_i &&", "req_valid_i &&"),
+        Bug("a bit of a scheduler's number is not looked at", "fp3_hub.v", "who == NUMBER", "(who & 8'hdf) == NUMBER"),
         Bug("nobody is somebody", "fp3_hub.v", "nobody ? NOWHERE : req_addr_i[23:0]", "req_addr_i[23:0]"),
         Bug("nobody shows interrupts", "fp3_hub.v", "pending_q <= !nobody &&", "pending_q <="),
         Bug("schedulers from 32 on are shown twice", "fp3_hub.v", "addr_q[2] ? irqs[63:32] : irqs[31:0]", "irqs[31:0]"),
