@@ -70,7 +70,7 @@ DUEL, TRIO, STOPS = arbiter(2, 5, 4), arbiter(3, 5, 4), arbiter(3, 5, 4, 1)
 
 ARBITER = Subject(
     "arbiter_spec", ("fp3_arbiter.v",), "{N} schedulers, patience {PATIENCE}, sweeps of {SWEEP}, stops {DROPS}",
-    [arbiter(n, 127, 24) for n in (2, 3, 4)] + [arbiter(n, 127, 24, 1) for n in (2, 4)] + [TRIO], [
+    [arbiter(n, 127, 24) for n in range(2, 8)] + [arbiter(n, 127, 24, 1) for n in range(2, 9)] + [TRIO], [
         ("nobody is urgent", "urgent[i] = waited_q[8*i +: 8] == PATIENCE_8", "urgent[i] = 1'b0", DUEL),
         ("the urgent come last", "urgent[i] ? level == 0", "urgent[i] ? level == 2", DUEL),
         ("urgent a cycle early", "== PATIENCE_8", "== PATIENCE_8 - 8'd1", DUEL),

@@ -96,10 +96,10 @@ static inline uint32_t leaf_bits(const program *p, uint32_t node, float x) {
     return n->op == NODE_KNOWN ? p->known_bits[node] : n->a == p->x ? fp3_bits_of(x) : 0x80000000u;
 }
 
-/* The bits of f of these x and a. */
-static inline uint32_t execute_on(const program *p, const fp3_config *config, uint32_t x,
-                                  uint32_t a, uint32_t *flags) {
-    uint32_t value[NODES_MAX] = {0}, raised;
+/* The bits of every node, of these x and a. */
+static inline void execute_all(const program *p, const fp3_config *config, uint32_t x, uint32_t a,
+                               uint32_t *flags, uint32_t value[NODES_MAX]) {
+    uint32_t raised;
     *flags = 0;
     for (uint32_t i = 0; i < p->g->count; i++) {
         const dag_node *n = &p->g->nodes[i];
@@ -113,6 +113,13 @@ static inline uint32_t execute_on(const program *p, const fp3_config *config, ui
         value[i] = fp3_execute(config, n->op, operand, &raised);
         *flags |= raised;
     }
+}
+
+/* The bits of f of these x and a. */
+static inline uint32_t execute_on(const program *p, const fp3_config *config, uint32_t x,
+                                  uint32_t a, uint32_t *flags) {
+    uint32_t value[NODES_MAX] = {0};
+    execute_all(p, config, x, a, flags, value);
     return value[p->root];
 }
 

@@ -418,6 +418,33 @@ def test_accuracy_of_what_is_made_of_division_roots_and_sines():
         assert 0 < found[name] <= limit, (name, found[name])
 
 
+BOUNDS = {
+    "many_full": {"1/x": 1.0728, "a/x": 1.7247, "sqrt(x)": 1.3571, "1/sqrt(x)": 0.9898, "a/sqrt(x)": 1.5438},
+    "flush": {"1/x": 1.0728, "a/x": 1.7247, "sqrt(x)": 1.0655, "1/sqrt(x)": 1.4011, "a/sqrt(x)": 2.0154},
+    "cell": {"1/x": 1.1105, "a/x": 2.9988, "sqrt(x)": 1.6411, "1/sqrt(x)": 1.4638, "a/sqrt(x)": 3.9276},
+    "middle": {"1/x": 1.1449, "a/x": 1.8569, "sqrt(x)": 1.6741, "1/sqrt(x)": 1.2690, "a/sqrt(x)": 1.9305},
+    "bfloat": {"1/x": 0.7050, "a/x": 1.5000, "sqrt(x)": 1.3184, "1/sqrt(x)": 0.8782, "a/sqrt(x)": 1.6850},
+}
+
+
+def division_bounds(*arguments):
+    return subprocess.run([os.path.join(BUILD, "tests", "division_bounds"), *map(str, arguments)], capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("config", [pytest.param(name, marks=[pytest.mark.long] if name in ("many_full", "flush", "cell") else []) for name in BOUNDS])
+def test_no_quotient_or_root_is_further_off_than_the_pages_say(config):
+    """Of every divisor; of quotients by intervals over all numerators."""
+    done = division_bounds(config)
+    assert done.returncode == 0, done.stdout
+    assert {line.split()[0]: float(line.split()[2]) for line in done.stdout.splitlines()} == BOUNDS[config]
+
+
+@pytest.mark.parametrize("entry", [0, 511, 1023, 1024, 1535, 1536, 2047])
+def test_a_changed_entry_of_the_estimates_is_seen(entry):
+    done = division_bounds("bfloat", entry)
+    assert done.returncode == 1 and f"entry {entry} " in done.stdout
+
+
 # ---- exact division ----
 
 @pytest.mark.parametrize("config", ["single_full", "pairs"])
