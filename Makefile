@@ -605,7 +605,7 @@ $(BUILD)/bench/bodies_%.so: bench/bodies/%.c
 # ---- the processor on its own ---------------------------------------------------------------------
 
 .PHONY: alone
-alone: all ## The processor with a memory of its own, simulated: cycles of loads, and of objects beyond the store, two hours: build/results/alone.json; QUICK=1, PARTS="loads chunks linked near": these alone
+alone: all ## The processor with a memory of its own, simulated: cycles of loads, and of objects beyond the store, two hours: build/results/alone.json; QUICK=1, PARTS="loads chunks linked near overlap": these alone
 	@$(PYTHON) tools/alone.py --output $(RESULTS)/alone.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
 
 # ---- objects divided among processes ------------------------------------------------------------

@@ -148,7 +148,10 @@ module fp3 #(
         .wrote_i(host_wrote), .write_error_i(host_write_error),
         .read_i(host_read), .read_error_i(host_read_error), .rdata_i(host_rdata));
 
-    // A transfer asks where the host does.
+    // A transfer asks where the host does. With OVERLAP a request for a word of a store waits while an
+    // instruction will have the port.
+    wire [N-1:0]         loads, stores;
+    wire                 waits = OVERLAP != 0 && address[SPACE_BIT+1] && |(write ? stores : loads);
     generate
         if (MASTER != 0) begin : g_master
             fp3_master #(.ADDRESS_W(ADDRESS_W), .INSIDE(INSIDE), .STREAM(STREAM[ADDRESS_W-1:0]), .READS_W(READS_W + 1)) u_master (
@@ -156,7 +159,7 @@ module fp3 #(
                 .host_valid_i(host_asks), .host_ready_o(host_taken), .host_write_i(host_write), .host_addr_i(host_address),
                 .host_wdata_i(host_wdata), .host_wrote_o(host_wrote), .host_write_error_o(host_write_error),
                 .host_read_o(host_read), .host_read_error_o(host_read_error), .host_rdata_o(host_rdata),
-                .req_valid_o(asks), .req_ready_i(taken), .req_write_o(write), .req_addr_o(address), .req_wdata_o(wdata),
+                .req_valid_o(asks), .req_ready_i(taken && !waits), .req_write_o(write), .req_addr_o(address), .req_wdata_o(wdata),
                 .wrote_i(answer_wrote), .write_error_i(answer_write_error),
                 .read_i(answer_read), .read_error_i(answer_read_error), .rdata_i(answer_rdata),
                 .m_axi_awid(m_axi_awid), .m_axi_awaddr(m_axi_awaddr), .m_axi_awlen(m_axi_awlen), .m_axi_awsize(m_axi_awsize),
@@ -201,7 +204,7 @@ module fp3 #(
     localparam QUIET = SLEEP != 0 && (LANES > 1 || STORAGE != 0) ? MEMORY_LATENCY + LANES : 0;
     fp3_hub #(.N(N), .QUIET(QUIET), .STREAM(STREAM)) u_hub (
         .clk_i(clk), .rst_i(rst),
-        .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
+        .req_valid_i(asks && !waits), .req_ready_o(taken), .req_write_i(write),
         .req_addr_i({scheduler, 24'd0} | {{32-INSIDE{1'b0}}, address[INSIDE-1:0]}), .req_wdata_i(wdata),
         .answer_o(`FP3_ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr),
         .req_wdata_o(req_wdata), .answer_i(answers), .irq_i(ended));
@@ -215,6 +218,7 @@ module fp3 #(
     generate
         if (INTERLEAVE == 0) begin : g_one
             assign {issue_context_o, retire_context_o, retire_object_o} = 64'd0;
+            assign {loads, stores} = 2'b00;
             assign retire_end_o = {2{retire_valid_o}};
             fp3_solo #(.CONFIG(CONFIG)) u_solo (
                 .clk_i(clk), .rst_i(rst),
@@ -233,6 +237,7 @@ module fp3 #(
                     .req_valid_i(req_valid[S*t +: S]), .req_write_i(req_write), .req_addr_i(req_addr),
                     .req_wdata_i(req_wdata),
                     .answer_o(answers[`FP3_ANSWER_W*S*t +: `FP3_ANSWER_W*S]), .irq_o(ended[S*t +: S]),
+                    .loads_o(loads[S*t +: S]), .stores_o(stores[S*t +: S]),
                     .issued_o(issued[`FP3_ISSUED_W*I*t +: `FP3_ISSUED_W*I]),
                     .written_o(written[`FP3_WRITTEN_W*L*t +: `FP3_WRITTEN_W*L]));
             end

@@ -28,6 +28,8 @@ module fp3_tile #(
     input  wire [31:0]              req_wdata_i,
     output wire [`FP3_ANSWER_W*SCHEDULERS-1:0] answer_o,
     output wire [SCHEDULERS-1:0]    irq_o,
+    output wire [SCHEDULERS-1:0]    loads_o,       // see tile_scheduler
+    output wire [SCHEDULERS-1:0]    stores_o,
     // Trace: STREAMS parts for each scheduler, and for each lane of each
     output wire [`FP3_ISSUED_W*SCHEDULERS*STREAMS-1:0]        issued_o,
     output wire [`FP3_WRITTEN_W*SCHEDULERS*LANES*STREAMS-1:0] written_o
@@ -47,7 +49,7 @@ module fp3_tile #(
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
                 .answer_o(answer_o[`FP3_ANSWER_W*s +: `FP3_ANSWER_W]), .irq_o(irq_o[s]),
                 .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .sweep_end_o(sweep_end[s]),
-                .grant_i(grant[s]),
+                .grant_i(grant[s]), .loads_o(loads_o[s]), .stores_o(stores_o[s]),
                 .operands_o(operands[`FP3_OPERANDS_W*N*s +: `FP3_OPERANDS_W*N]),
                 .result_i(results[`FP3_RESULT_W*N*s +: `FP3_RESULT_W*N]),
                 .written_o(written_o[`FP3_WRITTEN_W*N*s +: `FP3_WRITTEN_W*N]),

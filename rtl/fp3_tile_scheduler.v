@@ -11,9 +11,11 @@
 //
 // Latency   See sequencer, lane and host_port. Operands leave and results arrive as lane says;
 //           adds_o and muls_o ask for a unit two cycles before the first lane says the instruction,
-//           five before its operands.
+//           five before its operands. A request that is for a word of a store reaches it three
+//           cycles later, as an instruction that leaves the sequencer then.
 // Hazard    Operands without a grant do not reach the arithmetic. The host accesses lanes, and
-//           writes the program, only between runs.
+//           writes the program, only between runs; with OVERLAP it reaches the part of the stores
+//           that a run leaves out, when loads_o or stores_o is low.
 `default_nettype none
 `include "host/answer.vh"
 `include "gen/settings.vh"
@@ -38,6 +40,10 @@ module fp3_tile_scheduler #(
     output wire                muls_o,
     output wire                sweep_end_o,
     input  wire                grant_i,
+    // With OVERLAP: an instruction will have this port of the stores, so no access of the host three
+    // cycles later
+    output wire                loads_o,
+    output wire                stores_o,
     // Arithmetic and trace, STREAMS parts for each lane
     output wire [`FP3_OPERANDS_W*STREAMS*LANES-1:0] operands_o,
     input  wire [`FP3_RESULT_W*STREAMS*LANES-1:0]   result_i,
@@ -55,12 +61,13 @@ module fp3_tile_scheduler #(
     wire [2:0]           space;
     wire [19:0]          address;
     wire [4:0]           flags;
+    wire [1:0]           part;
     fp3_host_port #(.CONFIG(CONFIG)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
         .req_valid_i(req_valid_i), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .answer_o(answer_o), .irq_o(irq_o),
-        .start_o(start), .stop_o(stop), .settings_o(settings),
+        .start_o(start), .stop_o(stop), .settings_o(settings), .part_o(part),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .overfull_i(overfull),
         .no_room_i(no_room), .raised_i(raised), .flags_i(flags), .events_i(events),
         .program_write_o(program_write), .program_addr_o(program_addr),
@@ -132,6 +139,7 @@ module fp3_tile_scheduler #(
     wire [31:0]                    step_number;
     wire                           copy, abort, copied, settled, held;
     wire [REACHES_W-1:0]           reach;
+    wire [DRAW_W-1:0]              draw;
     assign running_o = running;
     fp3_sequencer #(.CONFIG(CONFIG)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
@@ -141,7 +149,7 @@ module fp3_tile_scheduler #(
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .sweep_end_o(sweep_end_o), .grant_i(grant_i),
         .reach_o(reach), .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
-        .draw_o(draws[0 +: DRAW_W]),
+        .draw_o(draw),
         .report_i(reports[`FP3_REPORT_W*GROUPS +: `FP3_REPORT_W]), .events_o(events), .issued_o(issued_o));
     assign resets[0]                = rst_i;
 
@@ -164,8 +172,24 @@ module fp3_tile_scheduler #(
             assign copied                   = 1'b0;
             assign reaches[0 +: REACHES_W]  = reach;
             assign accesses[0 +: `FP3_ACCESS_W] = `FP3_ACCESS;
-            assign data[31:0]               = running ? step_number : late_wdata;
+            assign data[31:0]               = running && OVERLAP == 0 ? step_number : late_wdata;     // no lane needs the step there
             wire unused_copy = &{copy, abort};
+        end
+    endgenerate
+
+    generate
+        if (OVERLAP != 0) begin : g_part
+            `FP3_REACH_FIELDS
+            `FP3_ISSUE_FIELDS
+            assign `FP3_REACH = reach;
+            assign `FP3_ISSUE = issues[0 +: ISSUES_W];
+            assign draws[0 +: DRAW_W]  = part;
+            assign {loads_o, stores_o} = {reach_load, issue_st || issue_keep};
+            wire unused_draw = &{draw, step_number};
+        end else begin : g_whole
+            assign draws[0 +: DRAW_W]  = draw;
+            assign {loads_o, stores_o} = 2'b00;
+            wire unused_part = &part;
         end
     endgenerate
 
@@ -236,7 +260,7 @@ module fp3_tile_scheduler #(
     endgenerate
     always @(posedge clk_i)
         if (!rst_i) begin
-            if ((access || program_write) && running) begin
+            if (((access && !(OVERLAP != 0 && space == HOST_OBJECT)) || program_write) && running) begin
                 $display("%m: an access of the host within a run"); $stop;
             end
         end

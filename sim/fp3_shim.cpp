@@ -34,7 +34,7 @@ struct fp3_rtl {
 namespace {
 
 const unsigned RESET_CYCLES = 4;
-const unsigned ANSWER_CYCLES = 1000;
+const unsigned ANSWER_CYCLES = 10000;
 
 /* How many parts the trace ports have: as many as this build has schedulers, and lanes in each; so
  * many times as instructions may issue at once in one. */

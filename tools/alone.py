@@ -21,6 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 CONFIG = "many_memory"
 LANES = "lanes_memory"
 WORLD = "world_memory"
+OVERLAP = "world_overlap"
 LATENCY = 20                              # cycles of memory
 RATES = (1000, 400, 3000)                 # words of memory in 1,000 cycles
 GOAL = 1.1                                # cycles a word that memory can give in each
@@ -31,7 +32,7 @@ SLOWER = 1.02                             # goal: cycles of chunks over those of
 LINKED = {"programs/gallery/flag.scene": (400, 3000), "bench/alone/cloth.scene": (3000,)}   # scenes of objects with links, and the rates of memory
 # Scenes of near objects: how far these may go in the steps of a row, and after which step it begins.
 NEAR = {"programs/world/heap.scene": ((0.055, 0), (0.01, 8192)), "programs/world/dam.scene": ((0.03, 0),)}
-LINKED_SLOWER = 1.3                       # goal: likewise, with a memory that gives a word in each cycle
+LINKED_SLOWER = {WORLD: 1.3, OVERLAP: 1.15}          # goals: likewise, with a memory that gives a word in each cycle
 
 
 def alone(build, *arguments):
@@ -68,7 +69,15 @@ def near(_, quick):
     return [] if quick else [("linked", WORLD, ROOT / scene, 100, max(RATES), LATENCY, *run) for scene, runs in NEAR.items() for run in runs]
 
 
-PARTS = {part.__name__: part for part in (loads, chunks, linked, near)}
+def overlap(_, quick):
+    """Some of both kinds, whose words move while lanes run."""
+    flag, cloth = LINKED
+    heap, runs = next(iter(NEAR.items()))
+    rows = [(flag, 2 if quick else 100, 3000), (flag, 2 if quick else 100, 400), (cloth, 10, 3000), (heap, 100, 3000, runs[0])]
+    return [("linked", OVERLAP, ROOT / scene, steps, rate, LATENCY, *(run[0] if run else ())) for scene, steps, rate, *run in rows[:2 if quick else None]]
+
+
+PARTS = {part.__name__: part for part in (loads, chunks, linked, near, overlap)}
 
 
 def text(row):
@@ -85,7 +94,7 @@ def text(row):
 def misses(row):
     """A word takes a cycle, or as long as memory takes for it; chunks cost little."""
     if "chunks" in row:
-        return row["memory"] >= 1 and row["cycles_per_object_step"] > LINKED_SLOWER * row["in_store"]
+        return row["memory"] >= 1 and row["cycles_per_object_step"] > LINKED_SLOWER[row["config"]] * row["in_store"]
     if "cycles_per_word" not in row:
         return row["visit"] >= min(STEPS[row["config"]].values()) and row["cycles_per_object_step"] > SLOWER * row["in_store"]
     return max(row["cycles_per_word"], row["back"]) > GOAL * max(1, 1 / row["memory"])

@@ -25,9 +25,9 @@ parameter integer AROUND_W   = NEIGHBOURS != 0 ? 6 + LENGTH_W + STORE_W : 1,
 parameter integer BELOW        = 23 - FRACTION,
 parameter [31:0] KEPT         = 32'hffffffff << BELOW,
 parameter integer NONZERO_FROM = FINITE != 0 ? 23 : BELOW,
-// Of a word of the store; of the bundle DRAW.
+// Of a word of the store; of the bundle DRAW, or with OVERLAP of PART.
 parameter integer STORED_W   = STORAGE != 0 ? 16 : 32,
-parameter integer DRAW_W     = STORAGE != 0 ? 78 : 1,
+parameter integer DRAW_W     = STORAGE != 0 ? 78 : OVERLAP != 0 ? 2 : 1,
 // One word of a record is kept whole: that of `sleep`.
 parameter integer WHOLE      = STORAGE != 0 && SLEEP != 0 ? 1 : 0,
 // Instructions of a scheduler that may issue, and results of a lane that may come, in one cycle.

@@ -118,6 +118,18 @@ end
 if (MASTER < 0 || MASTER > 1) begin : g_master_must_be_0_to_1
     MASTER_must_be_0_to_1 u_error ();
 end
+if (OVERLAP < 0 || OVERLAP > 1) begin : g_overlap_must_be_0_to_1
+    OVERLAP_must_be_0_to_1 u_error ();
+end
+if (OVERLAP > 0 && MASTER == 0) begin : g_overlap_needs_master
+    OVERLAP_needs_MASTER u_error ();
+end
+if (OVERLAP > 0 && NEIGHBOURS == 0) begin : g_overlap_needs_neighbours
+    OVERLAP_needs_NEIGHBOURS u_error ();
+end
+if (OVERLAP > 0 && EXCHANGE != 0) begin : g_overlap_excludes_neighbours_0_and_lanes_1
+    OVERLAP_excludes_NEIGHBOURS_0_AND_LANES_1 u_error ();
+end
 if (FRACTION < 7 || FRACTION > 23) begin : g_fraction_must_be_7_to_23
     FRACTION_must_be_7_to_23 u_error ();
 end

@@ -46,10 +46,10 @@ localparam [159:0] RANGE_OF = {32'h08000000, 32'h04000000, 32'h00200000, 32'h000
 localparam [31:0] REGISTER_ID = (32'd3 & 255) << 0 | (32'd4608051 & 16777215) << 8;
 localparam [31:0] REGISTER_SHAPE = (REGISTERS & 255) << 0 | (REGISTERS & 255) << 8 | (CONTEXTS & 65535) << 16;
 localparam [31:0] REGISTER_MEMORY = PROGRAM_WORDS;
-localparam [31:0] REGISTER_FEATURES = (CHAIN & 1) << 0 | (BYPASS & 1) << 1 | (WRITEBACK_STALL & 1) << 2 | (SUBNORMAL & 1) << 3 | (NEAREST & 1) << 4 | (DUAL & 1) << 5 | (((NEIGHBOURS | EXCHANGE | FINITE | FUSED | LOGARITHMIC | (32'd23 - FRACTION) | STORAGE | MIXED | (32'd1 - COUNTERS) | MASTER | KEEP) != 0 ? 1 : 0) & 1) << 7 | (ADD_LATENCY & 255) << 8 | (MUL_LATENCY & 255) << 16 | (INTERLEAVE & 1) << 24 | (SLEEP & 1) << 25 | (FLAGS & 1) << 26 | (STATUS & 1) << 27 | (SCALE & 1) << 28 | (SELECT & 1) << 29 | (ESTIMATE & 1) << 30 | (ROUND & 1) << 31;
+localparam [31:0] REGISTER_FEATURES = (CHAIN & 1) << 0 | (BYPASS & 1) << 1 | (WRITEBACK_STALL & 1) << 2 | (SUBNORMAL & 1) << 3 | (NEAREST & 1) << 4 | (DUAL & 1) << 5 | (((NEIGHBOURS | EXCHANGE | FINITE | FUSED | LOGARITHMIC | (32'd23 - FRACTION) | STORAGE | MIXED | (32'd1 - COUNTERS) | MASTER | KEEP | OVERLAP) != 0 ? 1 : 0) & 1) << 7 | (ADD_LATENCY & 255) << 8 | (MUL_LATENCY & 255) << 16 | (INTERLEAVE & 1) << 24 | (SLEEP & 1) << 25 | (FLAGS & 1) << 26 | (STATUS & 1) << 27 | (SCALE & 1) << 28 | (SELECT & 1) << 29 | (ESTIMATE & 1) << 30 | (ROUND & 1) << 31;
 localparam [31:0] REGISTER_ARRAY = (TILES & 255) << 0 | (SCHEDULERS & 255) << 8 | (LANES & 255) << 16 | (SPACE_BIT & 255) << 24;
 localparam [31:0] REGISTER_STORE = STORE_WORDS;
-localparam [31:0] REGISTER_FEATURES_MORE = (NEIGHBOURS & 1) << 0 | (EXCHANGE & 1) << 1 | (FINITE & 1) << 2 | (FUSED & 1) << 3 | (LOGARITHMIC & 1) << 4 | ((32'd23 - FRACTION) & 31) << 5 | (STORAGE & 3) << 10 | (MIXED & 1) << 12 | ((32'd1 - COUNTERS) & 1) << 13 | (MASTER & 1) << 14 | (KEEP & 1) << 15;
+localparam [31:0] REGISTER_FEATURES_MORE = (NEIGHBOURS & 1) << 0 | (EXCHANGE & 1) << 1 | (FINITE & 1) << 2 | (FUSED & 1) << 3 | (LOGARITHMIC & 1) << 4 | ((32'd23 - FRACTION) & 31) << 5 | (STORAGE & 3) << 10 | (MIXED & 1) << 12 | ((32'd1 - COUNTERS) & 1) << 13 | (MASTER & 1) << 14 | (KEEP & 1) << 15 | (OVERLAP & 1) << 16;
 localparam [31:0] REGISTER_VERSION = (32'd0 & 255) << 0 | (32'd1 & 255) << 8 | (32'd0 & 65535) << 16;
 localparam [1023:0] SHOWN = {
     32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, REGISTER_VERSION, 32'd0, 32'd0, 32'd0, 32'd0,

@@ -44,6 +44,7 @@ module fp3_host_port #(
     output wire                   start_o,
     output wire                   stop_o,
     output wire [`FP3_SETTINGS_W-1:0] settings_o,             // stable from start_o to the end of the run
+    output wire [1:0]             part_o,                 // likewise; PART, 0 without OVERLAP
     input  wire                   running_i,
     input  wire                   illegal_i,
     input  wire [PROGRAM_W-1:0]   illegal_pc_i,
@@ -164,9 +165,10 @@ module fp3_host_port #(
 
     wire register_ok = has_q && !(running_i && (starts_q || sets_q)) && !(starts_q && !runnable) && !(|(ranged_q & ~fits_q));
     wire beyond = (space == HOST_AWAKE && !is_count) || (space == HOST_WAKE && !is_row);
+    wire aside;                                           // it is of the part that the run leaves out
     assign ok = in_registers ? register_ok
               : in_counters  ? !write_q
-              : !running_i && ((in_memory && !(write_q && beyond)) || (in_program && write_q));
+              : (!running_i || aside) && ((in_memory && !(write_q && beyond)) || (in_program && write_q));
 
     // The values of readable registers: configuration, settings, outcome. One mux of all would be
     // the processor's longest path, so one register of each group is selected, and a group in the
@@ -263,6 +265,19 @@ module fp3_host_port #(
     end
     assign start_o = start_q;
     assign stop_o  = to_control_q && ok_q && wants_stop && running_i;
+
+    // The part of the store that the run works on
+    generate
+        if (OVERLAP != 0) begin : g_part
+            reg part_q, upper_q;
+            always @(posedge clk_i)
+                if (start) {part_q, upper_q} <= {wdata_q[CONTROL_PART_LO], wdata_q[CONTROL_UPPER_LO]};
+            assign part_o = {part_q, upper_q};
+            assign aside  = in_memory && space == HOST_OBJECT && part_q && address[STORE_W-2] != upper_q;
+        end else begin : g_whole
+            assign {part_o, aside} = 3'd0;
+        end
+    endgenerate
 
     always @(posedge clk_i)
         if (rst_i) begin

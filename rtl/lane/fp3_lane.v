@@ -55,7 +55,8 @@ module fp3_lane #(
     assign `FP3_MOVE   = move;
     wire mine         = access_valid && access_lane == index_i;
     wire write        = mine && access_write;
-    wire reads        = access_valid && !(EXCHANGE != 0 && access_write);     // then another lane's word is written
+    // Not where a write leaves the other port to an instruction, or to another lane's word.
+    wire reads        = access_valid && !((EXCHANGE != 0 || OVERLAP != 0) && access_write);
     wire to_store     = (write && access_space == HOST_OBJECT)
                      || (EXCHANGE != 0 && access_valid && access_write && access_space == HOST_EVERY);
     wire to_constants = access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
@@ -164,7 +165,7 @@ module fp3_lane #(
     fp3_lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .index_i(index_i), .move_i(move),
         .value_i3_i(st_value_i3), .keep_i3_i(keep_i3), .keep_place_i3_i(keep_place_i3), .keep_row_i3_i(keep_row_i3),
         .draw_i(draw_i), .word_o(word), .over_o(over),
-        .host_i(access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
+        .host_i(OVERLAP != 0 ? to_store : access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
         .host_whole_i(access_whole), .host_word_i(data_i));
 
     // Before the operands it is too early for the loaded word.

@@ -167,13 +167,14 @@ module fp3_lane_end #(
     wire [REG_W-1:0] named;                     // by the instruction of TO_END cycles ago
     reg  [15:0]      age [0:CONTEXTS-1];        // cycles since a context came
     reg  [15:0]      since_q;                   // since an access
+    wire             lone = access_valid && !(OVERLAP != 0 && access_space == HOST_OBJECT);     // of the store: checked there
     reg  [ENDED+1:0] valid_q;                   // W - ENDED + 1 .. W + 2
     integer          k;
     fp3_delay #(.W(REG_W), .N(TO_END)) u_named (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_context, issue_register}),
         .q_o(named));
     always @(posedge clk_i) begin
         valid_q <= {valid_q[ENDED:0], retire_valid} & {ENDED+2{!rst_i}};
-        since_q <= rst_i ? 16'hffff : access_valid ? 16'd1 : since_q == 16'hffff ? since_q : since_q + 1'b1;
+        since_q <= rst_i ? 16'hffff : lone ? 16'd1 : since_q == 16'hffff ? since_q : since_q + 1'b1;
         for (k = 0; k < CONTEXTS; k = k + 1) begin
             age[k] <= rst_i ? 16'hffff : retire_valid && retire_context == k[CONTEXT_W-1:0] ? 16'd1
                     : age[k] == 16'hffff ? age[k] : age[k] + 1'b1;
@@ -184,7 +185,7 @@ module fp3_lane_end #(
         if (!rst_i && retire_valid && named != {retire_context, retire_register}) begin
             $display("%m: the end of another instruction than the one of %0d cycles ago", TO_END); $stop;
         end
-        if (!rst_i && (access_valid ? retire_valid || |valid_q : retire_valid && {16'd0, since_q} <= TO_END)) begin
+        if (!rst_i && (lone ? retire_valid || |valid_q : retire_valid && {16'd0, since_q} <= TO_END)) begin
             $display("%m: an access of the host while instructions are in the lane"); $stop;
         end
     end

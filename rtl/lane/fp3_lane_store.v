@@ -13,7 +13,9 @@
 // Hazard    No word is loaded (W-2) in the cycle in which it is written (4): between rounds
 //           everything drains, and within a round no object loads what another stores (checked).
 //           Published words are loaded from one half of the store and stored in the other half. The
-//           host accesses words when no instruction is in the lane (checked there).
+//           host accesses words when no instruction is in the lane (checked there). With OVERLAP it
+//           may, of the part that the run leaves out, if in this cycle no instruction has the port
+//           (checked): instructions reach one part of each half, wherever the program points.
 //
 //     cycle    0      2                    3         4        5
 //     store    st_i   row_i2_i, absent..   value_i3  written  there
@@ -34,7 +36,7 @@ module fp3_lane_store #(
     input  wire                  keep_i3_i,      // not a store, but a row of a list, at ...
     input  wire [STORE_W-1:0]    keep_place_i3_i,
     input  wire [ROW_W-1:0]      keep_row_i3_i,
-    input  wire [DRAW_W-1:0]     draw_i,         // TIMING_MIX + 1: how it is rounded
+    input  wire [DRAW_W-1:0]     draw_i,         // TIMING_MIX + 1: how it is rounded; with OVERLAP, PART
     output wire [31:0]           word_o,         // of a load
     output wire                  over_o,         // W: a store made a finite number infinite
     // The host
@@ -53,8 +55,26 @@ module fp3_lane_store #(
         .d_i({move_st, move_in_last, move_st_upper, move_register}),
         .q_o({st_i2, in_last_i2, upper_i2, register_i2}));
 
-    wire [STORE_W-1:0] st_base = {move_st_row, 3'd0} << move_record_shift;
-    wire [STORE_W-1:0] ld_base = {move_load_row, 3'd0} << move_record_shift;
+    wire [STORE_W-1:0] st_base, ld_base, st_place, load_place, keep_place;
+    generate
+        if (OVERLAP != 0) begin : g_part
+            localparam PART = STORE_W - 2;                             // the bit of an address that says which part
+            wire               runs_in_part, upper;
+            wire [STORE_W-1:0] st_whole = {move_st_row, 3'd0} << move_record_shift;
+            wire [STORE_W-1:0] ld_whole = {move_load_row, 3'd0} << move_record_shift;
+            assign {runs_in_part, upper} = draw_i;
+            function [STORE_W-1:0] in_part(input [STORE_W-1:0] at, input given, input to);
+                in_part = {at[STORE_W-1], given ? to : at[PART], at[PART-1:0]};
+            endfunction
+            assign {st_base, st_place}   = {in_part(st_whole, runs_in_part, upper), in_part(move_st_place, runs_in_part, upper)};
+            assign {ld_base, load_place} = {in_part(ld_whole, runs_in_part, upper), in_part(move_place, runs_in_part, upper)};
+            assign keep_place            = in_part(keep_place_i3_i, runs_in_part, upper);
+        end else begin : g_whole
+            assign st_base = {move_st_row, 3'd0} << move_record_shift;
+            assign ld_base = {move_load_row, 3'd0} << move_record_shift;
+            assign {st_place, load_place, keep_place} = {move_st_place, move_place, keep_place_i3_i};
+        end
+    endgenerate
     reg                st_q, write_q;                                  // cycle 3, 4
     reg  [STORE_W-1:0] st_address_q, write_address_q, read_address_q;  // cycle 3, 4; W-2
     reg  [STORED_W-1:0] write_word_q;
@@ -64,12 +84,12 @@ module fp3_lane_store #(
     always @(posedge clk_i) begin
         st_q            <= !rst_i && st_i2 && !move_st_absent && !(NEIGHBOURS != 0 && move_st_ended)
                                   && !(move_st_asleep && !in_last_i2);
-        st_address_q    <= NEIGHBOURS != 0 && move_st_list ? move_st_place
+        st_address_q    <= NEIGHBOURS != 0 && move_st_list ? st_place
                          : st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2} | {upper_i2, {STORE_W-1{1'b0}}};
         write_q         <= !rst_i && (stored || host_write_i);
         write_address_q <= host_i ? host_address_i : stored_address;
         write_word_q    <= host_i ? host_word_i[STORED_W-1:0] : stored_word;
-        read_address_q  <= host_read_i ? host_address_i : move_load_place ? move_place
+        read_address_q  <= host_read_i ? host_address_i : move_load_place ? load_place
                          : ld_base | {{STORE_W-REGISTER_W{1'b0}}, move_load_register} | {move_load_upper, {STORE_W-1{1'b0}}};
     end
     fp3_ram_registered #(.ADDR_W(STORE_W), .W(STORED_W)) u_store (.clk_i(clk_i), .write_i(write_q && !rst_i),
@@ -145,7 +165,7 @@ module fp3_lane_store #(
                 assign {loaded_whole, high_word} = 17'd0;
                 wire unused_whole = &{host_whole_i, host_word_i[31:16], value_late};
             end
-            wire unused_random = &{random[31:16], keep_i3_i, keep_place_i3_i, keep_row_i3_i};
+            wire unused_random = &{random[31:16], keep_i3_i, keep_place, keep_row_i3_i};
 
             // The object's number: which row it has is known in cycle 2.
             if (SLEEP != 0) begin : g_object
@@ -163,10 +183,10 @@ module fp3_lane_store #(
         end else begin : g_words
             if (KEEP != 0) begin : g_keep
                 assign stored         = st_q || keep_i3_i;
-                assign stored_address = keep_i3_i ? keep_place_i3_i : st_address_q;
+                assign stored_address = keep_i3_i ? keep_place : st_address_q;
                 assign stored_word    = keep_i3_i ? {{32-ROW_W{1'b0}}, keep_row_i3_i} : value_i3_i;
             end else begin : g_no_keep
-                wire unused_keep = &{keep_i3_i, keep_place_i3_i, keep_row_i3_i};
+                wire unused_keep = &{keep_i3_i, keep_place, keep_row_i3_i};
                 assign {stored, stored_address, stored_word} = {st_q, st_address_q, value_i3_i};
             end
             assign {word_o, over_o} = {read_word, 1'b0};
@@ -180,6 +200,9 @@ module fp3_lane_store #(
         load_q <= !rst_i && move_load;
         if (!rst_i && load_q && write_q && write_address_q == read_address_q) begin
             $display("%m: word %0d is loaded in the cycle in which it is stored", read_address_q); $stop;
+        end
+        if (!rst_i && OVERLAP != 0 && ((host_read_i && move_load) || (host_write_i && stored))) begin
+            $display("%m: the host has a port in the cycle of an instruction"); $stop;
         end
     end
 `endif

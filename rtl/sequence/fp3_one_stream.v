@@ -106,7 +106,7 @@ module fp3_one_stream #(
                 .base_i(base_i), .end_i(end_i),
                 .issue_i(issue), .first_i(first_q), .marks_i(marks_q), .register_i(d), .draw_o(draw_o));
         end else begin : g_no_draws
-            assign draw_o = 1'b0;
+            assign draw_o = {DRAW_W{1'b0}};
         end
     endgenerate
     assign {adds_o, muls_o, sweep_end_o} = {busy && adds, busy && muls, sweep_end};

@@ -207,7 +207,7 @@ module fp3_sequencer #(
                 .kinds_o(kinds), .paired_o(paired), .issued_late_o(issued_late),
                 .issue_o(issue_o), .retire_o(retire_o), .issued_o(issued_o));
             assign reach_o = {`FP3_REACH_W{1'b0}};
-            assign draw_o  = 1'b0;
+            assign draw_o  = {DRAW_W{1'b0}};
             assign {adds_o, muls_o, sweep_end_o, step_o} = 35'd0;       // no unit is shared, no lane needs the step
             wire unused_one = &{base, end_step, batch, marks_q, around_q};
         end else begin : g_one

@@ -57,6 +57,7 @@ module fp3_solo #(
     reg  [PROGRAM_W-1:0] pc_q;
     wire                 host_write = access && access_write && !rst_i;
     wire [REGISTER_W:0]  host_addr  = {space == HOST_CONSTANT, address[REGISTER_W-1:0]};
+    wire [1:0]           unused_part;                     // of a store
     wire [`FP3_SETTINGS_W-1:0] settings;
     `FP3_SETTINGS_FIELDS
     `FP3_EVENTS_FIELDS
@@ -65,7 +66,7 @@ module fp3_solo #(
         .clk_i(clk_i), .rst_i(rst_i),
         .req_valid_i(req_valid_i), .req_write_i(req_write_i), .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .answer_o(answer_o), .irq_o(irq_o),
-        .start_o(start), .stop_o(stop), .settings_o(settings),
+        .start_o(start), .stop_o(stop), .settings_o(settings), .part_o(unused_part),
         .running_i(running_q), .illegal_i(illegal), .illegal_pc_i(pc_q), .half_i(1'b0), .overfull_i(1'b0), .no_room_i(1'b0), .raised_i(1'b0),
         .flags_i(retire_flags_o & {5{retire_valid_o}}), .events_i(`FP3_EVENTS),
         .program_write_o(program_write), .program_addr_o(program_addr),

@@ -202,6 +202,8 @@ def test_alone_measures_loads_and_chunks(root, build, tmp_path):
     succeeds(sys.executable, root / "tools/alone.py", "--quick", "--output", tmp_path / "alone.json")
     rows = json.loads((tmp_path / "alone.json").read_text())["rows"]
     assert all(row["cycles_per_word"] < 1.1 * max(1, 1 / row["memory"]) for row in rows if row["scene"] == "load")
-    assert len({row["hash"] for row in rows if row["scene"] == "kepler rk4"}) == 1 and len(rows) == 9
+    assert len({row["hash"] for row in rows if row["scene"] == "kepler rk4"}) == 1 and len(rows) == 11
     flags = [row for row in rows if row["scene"] == "flag.scene"]
     assert len({row["hash"] for row in flags}) == 1 and all(row["chunks"] > 1 and row["host_accesses_between_steps"] == 0 for row in flags)
+    slower = {(row["config"], row["memory"]): row["cycles_per_object_step"] / row["in_store"] for row in flags}
+    assert max(slower["world_overlap", 0.4], slower["world_overlap", 3]) < 1.08 < 1.15 < min(slower["world_memory", 0.4], slower["world_memory", 3])

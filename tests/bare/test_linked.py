@@ -58,10 +58,11 @@ NET = """program = "web.ode"; integrator = "INTEGRATOR"; grid = { count = [24, 5
          links = ( { relation = "ties"; grid = "structural"; }, { relation = "far"; grid = ["shear", "bending"]; } ); """
 
 
-@pytest.mark.parametrize("integrator, steps", [("semi_implicit_euler", 1), ("semi_implicit_euler", 3), ("heun", 2)])
-def test_chunks_have_the_words_of_fast(linked, integrator, steps):
+@pytest.mark.parametrize("config, integrator, steps", [
+    ("world_memory", "semi_implicit_euler", 1), ("world_memory", "semi_implicit_euler", 3), ("world_memory", "heun", 2), ("world_overlap", "heun", 3)])
+def test_chunks_have_the_words_of_fast(linked, config, integrator, steps):
     """One step, an odd number of them, and steps of two phases: bench/alone compares the words."""
-    done = linked(NET.replace("INTEGRATOR", integrator), steps)
+    done = linked(NET.replace("INTEGRATOR", integrator), steps, config)
     assert done.returncode == 0, done.stderr
     row = json.loads(done.stdout)
     assert row["chunks"] > 1 and row["ghosts"] > 0 and row["host_accesses_between_steps"] == 0
@@ -113,12 +114,13 @@ CROWD = """program = "swarm.ode"; integrator = "INTEGRATOR"; objects = OBJECTS;
          links = ( { relation = "ties"; file = "ties.csv"; } ); """
 
 
-@pytest.mark.parametrize("integrator, objects, side, steps, roam, since", [
-    ("semi_implicit_euler", 520, 2.4, 7, 0.05, 0), ("heun", 500, 3.0, 5, 0.05, 3), ("semi_implicit_euler", 1, 1.0, 2, 0.5, 0)])
-def test_lists_of_near_objects_are_made_beyond_the_store(linked, tmp_path, integrator, objects, side, steps, roam, since):
+@pytest.mark.parametrize("config, integrator, objects, side, steps, roam, since", [
+    ("world_memory", "semi_implicit_euler", 520, 2.4, 7, 0.05, 0), ("world_memory", "heun", 500, 3.0, 5, 0.05, 3), ("world_memory", "semi_implicit_euler", 1, 1.0, 2, 0.5, 0),
+    ("world_overlap", "semi_implicit_euler", 520, 4.0, 7, 0.03, 0)])
+def test_lists_of_near_objects_are_made_beyond_the_store(linked, tmp_path, config, integrator, objects, side, steps, roam, since):
     """bench/alone compares the words with those of engine fast: a pair that a list misses changes them."""
     (tmp_path / "ties.csv").write_text("a,b\n" + ("0,1\n5,400\n" if objects > 1 else ""), encoding="utf-8")
-    done = linked(CROWD.replace("INTEGRATOR", integrator).replace("OBJECTS", str(objects)).replace("SIDE", str(side)), steps, roam=(roam, since))
+    done = linked(CROWD.replace("INTEGRATOR", integrator).replace("OBJECTS", str(objects)).replace("SIDE", str(side)), steps, config, (roam, since))
     assert done.returncode == 0, done.stderr
     row = json.loads(done.stdout)
     assert row["host_accesses_between_steps"] == 0 and (row["chunks"] > 1 and row["ghosts"] > 0) == (objects > 1)

@@ -9,7 +9,9 @@
  * room, one entry too few, or much. Every word of the store, the flags, the half with the published
  * words, the outcome, whether an object has raised, and the cycles must be the model's. With a port
  * to memory each run is started by a list of transfers, which then goes on by what `status` is; all
- * channels of both buses wait by chance.
+ * channels of both buses wait by chance. With `overlap` two runs of three work on a part of the
+ * store alone, wherever lists point, and the host accesses words of both parts meanwhile: those of
+ * the part at work are refused, and no cycle of the run changes.
  */
 #include "chance.h"
 
@@ -56,6 +58,10 @@ typedef struct {
     fp3_decoded code[WORDS_MAX];
     uint32_t count;
     uint32_t constants[CONSTANTS];
+    int is_part; /* the run works on a part of the store: the lower or the upper half of each half
+                  */
+    uint32_t is_upper;
+    unsigned moved, refused; /* accesses of the host within runs */
     /* The model's */
     uint32_t store[STORE_MAX], flags, half, status; /* the store is 0 when the hardware opens */
     uint32_t registers[FP3_BANK_OBJECT_COUNT];      /* of the object that is at work */
@@ -75,10 +81,20 @@ static void fail(bench *b, const char *what, uint32_t where, uint32_t got, uint3
 
 /* ---- the model ---- */
 
+static uint32_t part_bit(const bench *b) { return b->config->store_words / 4; }
+
+/* Where a run finds a word. */
+static uint32_t spot(const bench *b, uint32_t word) {
+    return b->is_part ? (word & ~part_bit(b)) | b->is_upper * part_bit(b) : word;
+}
+
 static uint32_t *word_of(bench *b, uint32_t row, uint32_t reg, uint32_t half) {
     const int is_upper = PUBLISHED >> reg & 1 && half;
-    return &b->store[(row << LOG2) + reg + (is_upper ? b->config->store_words / 2 : 0)];
+    const uint32_t word = (row << LOG2) + reg + (is_upper ? b->config->store_words / 2 : 0);
+    return &b->store[spot(b, word)];
 }
+
+static uint32_t neighbour(const bench *b, uint32_t place) { return b->store[spot(b, place)]; }
 
 static uint32_t operand(const bench *b, uint32_t number) {
     return number >= FP3_BANK_SHARED_BASE ? b->constants[number - FP3_BANK_SHARED_BASE]
@@ -92,16 +108,18 @@ typedef struct {
 } visit;
 
 /* Of a turn: its entry is another object. */
-static int is_other(const bench *b, const visit *v) { return b->store[v->at + v->turn] != v->row; }
+static int is_other(const bench *b, const visit *v) {
+    return neighbour(b, v->at + v->turn) != v->row;
+}
 
 static void keep(bench *b, visit *v, const fp3_instruction *in) {
-    uint32_t *list = &b->registers[in->d], other = b->store[v->at + v->turn];
+    uint32_t *list = &b->registers[in->d], other = neighbour(b, v->at + v->turn);
     uint32_t length = v->turn ? *list >> FP3_OBJECTS_LENGTH_LO : 0;
     const uint32_t place = *list & (LENGTH_ONE - 1), room = operand(b, in->b) & 0xfff;
     if (is_other(b, v) && operand(b, in->a) >> 31) {
         v->is_overfull |= length >= room;
         if (length < room)
-            b->store[place + length] = other;
+            b->store[spot(b, place + length)] = other;
         length = length < room ? length + 1 : NO_ROOM;
     }
     *list = place | length << FP3_OBJECTS_LENGTH_LO;
@@ -112,8 +130,8 @@ static void compute(bench *b, visit *v, const fp3_decoded *word) {
     uint32_t operands[3] = {operand(b, in->a), operand(b, in->b), operand(b, in->c)}, flags;
     if (word->of->gives == FP3_GIVES_WORD)
         fp3_operation_place(word->of, operands[0],
-                            *word_of(b, b->store[v->at + v->turn], in->b, b->half), &operands[0],
-                            &operands[1]);
+                            *word_of(b, neighbour(b, v->at + v->turn), in->b, b->half),
+                            &operands[0], &operands[1]);
     b->registers[in->d] =
         fp3_execute(b->config, word->of->computes ? word->of->computes : in->op, operands, &flags);
     v->flags |= flags;
@@ -263,10 +281,17 @@ static uint32_t in_store(const bench *b, uint32_t word) {
 }
 
 /* Whether this program has something there; other words are what programs before have left. */
-static int is_used(const bench *b, uint32_t word) {
+static int is_named(const bench *b, uint32_t word) {
     const uint32_t n = b->objects, half = b->config->store_words / 2;
     return word < (n << LOG2) + n * n || (word >= half && word < half + (n << LOG2) + 2 * n) ||
            word >= 2 * half - n * n;
+}
+
+static int is_used(const bench *b, uint32_t word) {
+    if (!b->is_part)
+        return is_named(b, word);
+    return spot(b, word) == word &&
+           (is_named(b, word & ~part_bit(b)) || is_named(b, word | part_bit(b)));
 }
 
 /* A list of transfers starts the run, and keeps its status where it goes on by it: nobody has
@@ -291,7 +316,8 @@ static void start_by_list(bench *b) {
         [FULL_BACK] = {4 * ENDS, FP3_ADDR_STATUS, 0, asks}};
     for (uint32_t i = 0; i < 4 * LIST; i++)
         b->memory[i] = list[i / 4][i % 4] << (i % 4 ? 0 : 2);
-    b->memory[KEPT] = 1u << FP3_CONTROL_START_LO;
+    b->memory[KEPT] = 1u << FP3_CONTROL_START_LO | (uint32_t)b->is_part << FP3_CONTROL_PART_LO |
+                      b->is_upper << FP3_CONTROL_UPPER_LO;
     memset(b->memory + KEPT + 1, 0, 3 * sizeof *b->memory);
     put(FP3_ADDR_TRANSFER_MEMORY, 0);
     put(FP3_ADDR_TRANSFER_CONTROL, 1u << FP3_TRANSFER_CONTROL_LIST_LO);
@@ -310,6 +336,42 @@ static void compare_list(bench *b) {
             fail(b, "what the list has kept", i, b->memory[KEPT + 1 + i], kept[i]);
     if (get(b, FP3_ADDR_TRANSFER_NEXT) != 16 * (ENDS + 1))
         fail(b, "transfer_next", b->objects, get(b, FP3_ADDR_TRANSFER_NEXT), 16 * (ENDS + 1));
+}
+
+static int is_running(bench *b) { return get(b, FP3_ADDR_STATUS) >> FP3_STATUS_RUNNING_LO & 1; }
+
+/* One access within a run, of a word that the program does not have. */
+static fp3_rtl_word access_within(bench *b, uint32_t *word) {
+    chance *c = &b->c;
+    do
+        *word = below(c, b->config->store_words);
+    while (is_used(b, *word));
+    words[0] = (fp3_rtl_word){in_store(b, *word), below(c, 1u << 30), below(c, 2), 0};
+    const fp3_rtl_word asked = words[0];
+    if (b->ops->transfer(b->rtl, words, 1))
+        fail(b, "an access within a run", *word, 1, 0);
+    if (!words[0].is_refused && asked.is_write)
+        b->store[*word] = asked.data;
+    else if (!words[0].is_refused && words[0].data != b->store[*word])
+        fail(b, "read within a run, word", *word, words[0].data, b->store[*word]);
+    return words[0];
+}
+
+/* The host does what it may and what it may not. */
+static void disturb(bench *b) {
+    uint32_t word = 0;
+    for (uint32_t i = 0; i < 300 && !is_running(b); i++)
+        ;
+    for (uint32_t i = 0; i < 100 && is_running(b); i++) {
+        const fp3_rtl_word done = access_within(b, &word);
+        const int is_aside = b->is_part && spot(b, word) != word;
+        if (is_aside && done.is_refused)
+            fail(b, "refused within a run, word", word, 1, 0);
+        if (!is_aside && !done.is_refused && is_running(b))
+            fail(b, "not refused within a run, word", word, 0, 1);
+        b->moved += is_aside;
+        b->refused += done.is_refused;
+    }
 }
 
 static void run_hardware(bench *b) {
@@ -333,6 +395,8 @@ static void run_hardware(bench *b) {
     else
         put(FP3_ADDR_CONTROL, 1u << FP3_CONTROL_START_LO);
     transfer(b);
+    if (b->config->overlap)
+        disturb(b);
     do
         b->ops->clock(b->rtl, 10000000, 200);
     while (b->memory && get(b, FP3_ADDR_TRANSFER_STATUS) & 1u << FP3_TRANSFER_STATUS_RUNNING_LO);
@@ -522,8 +586,8 @@ static void write_objects(bench *b) {
     b->half = below(c, 2);
     const int is_in_part = below(c, 3) == 0;
     for (uint32_t i = 0; i < n; i++) {
-        b->store[others + i] = i;
-        b->store[links + i] = (i + 1) % n;
+        b->store[spot(b, others + i)] = i;
+        b->store[spot(b, links + i)] = (i + 1) % n;
         for (uint32_t reg = 0; reg < RECORD; reg++)
             *word_of(b, i, reg, b->half) = bits(some(c));
         if (below(c, 16) == 0)
@@ -570,6 +634,8 @@ int main(int argc, char **argv) {
     for (uint32_t i = 0; b.rtl && i < programs && b.failed < 10; i++) {
         b.objects = counts[below(&b.c, 8)];
         b.steps = 1 + below(&b.c, STEPS);
+        b.is_part = b.config->overlap && below(&b.c, 3);
+        b.is_upper = b.is_part && below(&b.c, 2);
         write_program(&b);
         write_objects(&b);
         clear_lists(&b);
@@ -582,6 +648,8 @@ int main(int argc, char **argv) {
     if (b.rtl)
         b.ops->close(b.rtl);
     fp3_hardware_unload(&hardware);
+    if (b.config->overlap)
+        printf("%u moved, %u refused within runs; ", b.moved, b.refused);
     printf("%" PRIu32
            " programs, %u lists made, %u without room, %u left out, %u raised, %u failed\n",
            programs, b.made, b.overfull, b.left_out, b.told, b.failed + !b.rtl);

@@ -45,6 +45,7 @@ LISTS = {
     "tests/fp/test_fp.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fpga/test_ecp5.py": lambda root, at: named(root, [(name, (f"fpga/{'/'.join(at.place(bug[0]))}.v", bug[1])) for name, bug in at.BUGS.items()]),
     "tests/fpga/test_ice40.py": lambda root, at: named(root, [(name, (f"fpga/ice40/fp3_{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
+    "tests/cosim/test_overlap.py": lambda root, at: formal(root, at.BUGS),
     "tests/board/test_bridge.py": lambda root, at: named(root, [(name, (f"board/fp3_{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
     "tests/replay/test_checks.py": lambda root, at: named(root, at.BUGS.items()),
     "tests/video/test_frames.py": lambda root, at: formal(root, at.BUGS),

@@ -120,7 +120,7 @@ def test_the_order_is_1(model):
 def test_a_configuration_without_selection(model):
     path = model("state x = 1", "x' = -x", "", "when x < 0.5: x = 1")
     refused = fp3("compile", path, "-c", "many", status=2)
-    assert "line 4: x < 0.5: needs `select`, which configuration 'many' does not have; it is in 'many_full', 'many_memory', 'world', 'world_keep', 'world_memory', 'sixteen', 'shared_full', 'lanes_memory', 'fabric'" in refused.stderr
+    assert "line 4: x < 0.5: needs `select`, which configuration 'many' does not have; it is in 'many_full', 'many_memory', 'world', 'world_keep', 'world_memory', 'world_overlap', 'sixteen', 'shared_full', 'lanes_memory', 'fabric'" in refused.stderr
 
 
 def test_positions_of_two_steps(model):

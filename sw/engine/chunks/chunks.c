@@ -96,7 +96,9 @@ static fp3_status put_settings(fp3_chunks_maker *m) {
         status = fp3_chunks_near_set(m, constants);
     m->constants = fp3_chunks_put(m, constants, m->config->registers);
     m->settings = fp3_chunks_put(m, settings, sizeof settings / sizeof *settings);
-    m->start = put_word(m, 1u << FP3_CONTROL_START_LO);
+    const uint32_t part = m->parts > 1 ? 1u << FP3_CONTROL_PART_LO : 0;
+    for (uint32_t i = 0; i < m->parts; i++)
+        m->start[i] = put_word(m, 1u << FP3_CONTROL_START_LO | part | i << FP3_CONTROL_UPPER_LO);
     m->half = put_word(m, 0);
     m->enable = put_word(m, 1u << FP3_INTERRUPT_ENABLE_LO);
     return status ? status : put_phases(m);

@@ -27,26 +27,27 @@ static int take(room *r, uint32_t words, uint32_t *place) {
     return 0;
 }
 
-static uint32_t half_of(const fp3_chunks_maker *m) { return m->config->store_words / 2; }
-
 static uint64_t records_of(const fp3_chunks_maker *m, const fp3_piece *piece) {
     return ((uint64_t)piece->own.count + piece->ghosts) << m->chunks->log2;
 }
 
 /* Behind the records. 0: these alone have no room. */
 static int open_room(const fp3_chunks_maker *m, const fp3_piece *piece, room *r) {
-    const uint32_t half = half_of(m);
+    const uint32_t upper = fp3_chunks_upper(m), words = fp3_chunks_room(m);
     const uint64_t records = records_of(m, piece);
-    const uint32_t behind = records > half ? half : (uint32_t)records;
-    *r = (room){{behind, half + behind}, {half, 2 * half}, 0, 2, behind};
-    return records <= half;
+    const uint32_t behind = records > words ? words : (uint32_t)records;
+    *r = (room){{behind, upper + behind}, {words, upper + words}, 0, 2, behind};
+    return records <= words;
 }
 
 /* What the lists of a step leave. */
 static room wide_room(const fp3_chunks_maker *m, const room *lists) {
-    const uint32_t half = half_of(m);
-    return (room){
-        {half, lists->next[0], lists->next[1]}, {half + lists->records, half, 2 * half}, 0, 3, 0};
+    const uint32_t upper = fp3_chunks_upper(m), words = fp3_chunks_room(m);
+    return (room){{upper, lists->next[0], lists->next[1]},
+                  {upper + lists->records, words, upper + words},
+                  0,
+                  3,
+                  0};
 }
 
 static uint32_t object_at(const fp3_chunks_maker *m, const fp3_piece *piece, uint32_t i) {
@@ -101,17 +102,21 @@ static uint32_t whole(const fp3_chunks_maker *m, uint64_t count) {
     return (uint32_t)(pieces > count ? pieces : count);
 }
 
-fp3_status fp3_chunks_cut(fp3_chunks_maker *m) {
+/* FP3_E_PROGRAM: there is no room, or not for a batch where a chunk has a part of the store. */
+static fp3_status cut_in(fp3_chunks_maker *m, uint32_t parts) {
     fp3_chunks *chunks = m->chunks;
     const fp3_pieces_by near = {&m->near.places, m->near.lengths},
                         *by = m->near.list ? &near : NULL;
     const uint32_t objects = m->group->objects;
     uint64_t words = (uint64_t)objects << (chunks->log2 + 1);
+    m->parts = parts;
     for (uint32_t k = 0; k < m->lists.shape.list_count; k++)
         for (uint32_t i = 0; i < objects; i++)
             words += words_of(m, &m->lists.lists[k], i);
-    for (uint64_t count = words / m->config->store_words + 1;; count += 1 + count / 32) {
+    for (uint64_t count = words / (2 * fp3_chunks_room(m)) + 1;; count += 1 + count / 32) {
         count = whole(m, count);
+        if (parts > 1 && count > 1 && objects / count < m->config->contexts)
+            return FP3_E_PROGRAM;
         const fp3_status status =
             fp3_pieces_make(m->engine, &m->lists, by, (uint32_t)count, &chunks->cut, m->error);
         if (status)
@@ -126,6 +131,12 @@ fp3_status fp3_chunks_cut(fp3_chunks_maker *m) {
                                       chunks->cut.pieces[p].ghosts, m->error);
         fp3_pieces_free(&chunks->cut);
     }
+}
+
+/* With less than a full batch in each chunk lanes would wait longer than for words. */
+fp3_status fp3_chunks_cut(fp3_chunks_maker *m) {
+    const fp3_status status = m->config->overlap ? cut_in(m, 2) : FP3_E_PROGRAM;
+    return status == FP3_E_PROGRAM ? cut_in(m, 1) : status;
 }
 
 /* ---- in memory ---- */

@@ -40,6 +40,10 @@ void fp3_chunks_put_program(fp3_chunks_maker *m, const uint32_t *words, uint32_t
     program->published = fp3_chunks_put(m, halves, 2);
 }
 
+uint32_t fp3_chunks_upper(const fp3_chunks_maker *m) { return m->config->store_words / 2; }
+
+uint32_t fp3_chunks_room(const fp3_chunks_maker *m) { return fp3_chunks_upper(m) / m->parts; }
+
 const fp3_chunks_run *fp3_chunks_run_of(const fp3_chunks *chunks, uint32_t number) {
     for (uint32_t i = 0; i < chunks->run_count; i++)
         if (number - chunks->runs[i].reg < chunks->runs[i].count)

@@ -8,7 +8,7 @@
 #include "engine/board/near_code.h"
 #include "engine/cluster/places.h"
 
-#define FP3_CHUNKS_PARTS 3 /* of the store, that lists stand in */
+#define FP3_CHUNKS_PARTS 3 /* of what a chunk has of the store, that lists stand in */
 
 /* Words of memory from `at` on, which go to words of the store. */
 typedef struct {
@@ -57,7 +57,12 @@ typedef struct {
     int is_full;   /* of host memory, or of addresses */
     fp3_chunk_data *data;
     fp3_chunks_program *phases;
-    uint32_t phase_count, start, half, enable;
+    uint32_t phase_count, half, enable;
+    /* A chunk has the store, or one of two parts of it, of each half the lower or the upper half.
+     * Then the next one comes, and the last one goes, while one runs. */
+    uint32_t parts;
+    uint32_t start[2];            /* ... of a run there */
+    uint32_t base;                /* ... the first word of the part that is moved now */
     uint32_t constants, settings; /* words of memory: what the list loads once */
     int counts;                   /* descriptors are those of the first step */
     fp3_error *error;
@@ -69,6 +74,9 @@ uint32_t fp3_chunks_put(fp3_chunks_maker *m, const uint32_t *words, uint32_t cou
 /* published: registers, as numbered now. */
 void fp3_chunks_put_program(fp3_chunks_maker *m, const uint32_t *words, uint32_t count,
                             uint64_t published, fp3_chunks_program *program);
+/* Of the store's words: where the upper half begins; how many of either half a chunk has. */
+uint32_t fp3_chunks_upper(const fp3_chunks_maker *m);
+uint32_t fp3_chunks_room(const fp3_chunks_maker *m);
 /* By the number that a register has now. NULL: it is not moved. */
 const fp3_chunks_run *fp3_chunks_run_of(const fp3_chunks *chunks, uint32_t number);
 

@@ -178,7 +178,7 @@ void fp3_chunks_near_put(fp3_chunks_maker *m) {
     near->made = put_places(m);
     near->stood = put_places(m);
     near->wide = fp3_chunks_put(m, NULL, m->chunks->cut.objects);
-    const uint32_t rows = m->config->store_words / 2 >> m->chunks->log2;
+    const uint32_t rows = fp3_chunks_room(m) >> m->chunks->log2;
     const uint32_t counts[] = {rows, m->chunks->cut.objects % rows};
     near->rows = fp3_chunks_put(m, counts, 2);
     near->rest = near->rows + 1;

@@ -14,8 +14,6 @@ static uint32_t address_of(const fp3_chunks_maker *m, uint32_t word) {
     return m->chunks->at + 4 * word;
 }
 
-static uint32_t half_of(const fp3_chunks_maker *m) { return m->config->store_words / 2; }
-
 static void describe(fp3_chunks_maker *m, uint32_t word, uint32_t place, uint32_t words,
                      uint32_t control) {
     const uint32_t row[DESCRIPTOR] = {address_of(m, word), place, words, control};
@@ -33,8 +31,9 @@ static void set(fp3_chunks_maker *m, uint32_t word, uint32_t address, uint32_t w
     describe(m, word, address, words, FLAG(LOAD));
 }
 
+/* A word of the part that is moved now. */
 static uint32_t objects_at(const fp3_chunks_maker *m, uint32_t word) {
-    return FP3_ADDRESS_IN(m->config->space_bit, FP3_SPACE_OBJECTS, word);
+    return FP3_ADDRESS_IN(m->config->space_bit, FP3_SPACE_OBJECTS, m->base + word);
 }
 
 /* Words reg .. reg+count-1 of records from this row of a half on, to or from where memory has those
@@ -42,8 +41,8 @@ static uint32_t objects_at(const fp3_chunks_maker *m, uint32_t word) {
 static void move(fp3_chunks_maker *m, uint32_t at, uint32_t count, fp3_stretch range, uint32_t half,
                  uint32_t row, uint32_t reg, uint32_t flag) {
     const uint32_t log2 = m->chunks->log2;
-    describe(m, at + range.first * count, objects_at(m, half * half_of(m) + (row << log2) + reg),
-             range.count * count,
+    describe(m, at + range.first * count,
+             objects_at(m, half * fp3_chunks_upper(m) + (row << log2) + reg), range.count * count,
              flag | (count & 63) << FP3_TRANSFER_CONTROL_RUN_LO |
                  ((1u << log2) - count) << FP3_TRANSFER_CONTROL_SKIP_LO);
 }
@@ -71,10 +70,10 @@ static void move_words(fp3_chunks_maker *m, const fp3_chunk_words *parts, uint32
 }
 
 /* awake: in memory, the number of objects, which are those in the first rows. */
-static void start(fp3_chunks_maker *m, uint32_t awake) {
+static void start(fp3_chunks_maker *m, uint32_t awake, uint32_t part) {
     set(m, m->half, FP3_ADDR_HALF, 1);
     set(m, awake, FP3_ADDR_WINDOW_AWAKE, 1);
-    set(m, m->start, FP3_ADDR_CONTROL, 1);
+    set(m, m->start[part], FP3_ADDR_CONTROL, 1);
 }
 
 /* Waits until the run has ended. The list ends if status is another word then. */
@@ -85,6 +84,50 @@ static void await(fp3_chunks_maker *m, uint32_t status) {
 /* ... or the list goes on at this word of memory. */
 static void await_or(fp3_chunks_maker *m, uint32_t status, uint32_t word) {
     describe(m, word, FP3_ADDR_STATUS, status, FLAG(WAIT) | FLAG(OTHERWISE));
+}
+
+/* ---- runs, one after the other ---- */
+
+/* Runs of one program, whose objects and words no other one of them changes. */
+typedef struct runs {
+    uint32_t count;
+    int from; /* place of published words */
+    void (*load)(fp3_chunks_maker *m, const struct runs *runs, uint32_t number);
+    void (*store)(fp3_chunks_maker *m, const struct runs *runs, uint32_t number);
+    uint32_t (*awake)(const fp3_chunks_maker *m, uint32_t number);
+    uint32_t was;    /* of a check: where objects were */
+    uint32_t raised; /* where the list goes on if an object has raised; 0: it ends */
+} runs;
+
+static void load(fp3_chunks_maker *m, const runs *r, uint32_t number) {
+    m->base = number % m->parts * fp3_chunks_room(m);
+    r->load(m, r, number);
+}
+
+static void store(fp3_chunks_maker *m, const runs *r, uint32_t number) {
+    m->base = number % m->parts * fp3_chunks_room(m);
+    if (r->store)
+        r->store(m, r, number);
+}
+
+/* With two parts words of one are moved while the other one runs. */
+static void make_runs(fp3_chunks_maker *m, const runs *r) {
+    const int is_ahead = m->parts > 1;
+    for (uint32_t i = 0; i < r->count; i++) {
+        if (!is_ahead || !i)
+            load(m, r, i);
+        start(m, r->awake(m, i), i % m->parts);
+        if (is_ahead && i)
+            store(m, r, i - 1);
+        if (is_ahead && i + 1 < r->count)
+            load(m, r, i + 1);
+        if (r->raised)
+            await_or(m, DONE, r->raised);
+        else
+            await(m, DONE);
+        if (!is_ahead || i + 1 == r->count)
+            store(m, r, i);
+    }
 }
 
 /* In any case: after a run status is not 0. Returns the descriptor, for `land`. */
@@ -118,54 +161,74 @@ static const fp3_chunks_run *near_run(const fp3_chunks_maker *m) {
     return fp3_chunks_run_of(m->chunks, m->near.names.list);
 }
 
+static uint32_t rows_of(const fp3_chunks_maker *m) { return fp3_chunks_room(m) >> m->chunks->log2; }
+
+static void load_places(fp3_chunks_maker *m, const runs *r, uint32_t number) {
+    const fp3_chunks *chunks = m->chunks;
+    const uint32_t rows = rows_of(m), first = number * rows, left = chunks->cut.objects - first;
+    const fp3_stretch range = {first, left < rows ? left : rows};
+    for (uint32_t i = 0; i < chunks->run_count; i++)
+        if (has_place(m, &chunks->runs[i]))
+            load_run(m, &chunks->runs[i], r->from, range, 0);
+    move(m, r->was, m->near.names.dimensions, range, 0, 0, m->near.names.made[0], FLAG(LOAD));
+}
+
+static uint32_t rows_awake(const fp3_chunks_maker *m, uint32_t number) {
+    return (number + 1) * rows_of(m) > m->chunks->cut.objects ? m->near.rest : m->near.rows;
+}
+
 /* All objects compare where they are with where they were, as many at a time as a half has rows.
  * The list goes on at `raised` if one has moved too far; 0: it ends. */
 static void check(fp3_chunks_maker *m, int from, const fp3_chunks_program *program, uint32_t was,
                   uint32_t raised) {
-    const fp3_chunks *chunks = m->chunks;
-    const uint32_t rows = half_of(m) >> chunks->log2;
+    const uint32_t rows = rows_of(m), objects = m->chunks->cut.objects;
+    const runs r = {.count = (objects + rows - 1) / rows,
+                    .from = from,
+                    .load = load_places,
+                    .awake = rows_awake,
+                    .was = was,
+                    .raised = raised};
     load_program(m, program);
-    for (uint32_t first = 0; first < chunks->cut.objects; first += rows) {
-        const uint32_t left = chunks->cut.objects - first;
-        const fp3_stretch range = {first, left < rows ? left : rows};
-        for (uint32_t i = 0; i < chunks->run_count; i++)
-            if (has_place(m, &chunks->runs[i]))
-                load_run(m, &chunks->runs[i], from, range, 0);
-        move(m, was, m->near.names.dimensions, range, 0, 0, m->near.names.made[0], FLAG(LOAD));
-        start(m, left < rows ? m->near.rest : m->near.rows);
-        if (raised)
-            await_or(m, DONE, raised);
-        else
-            await(m, DONE);
-    }
+    make_runs(m, &r);
 }
 
-static void renew_chunk(fp3_chunks_maker *m, uint32_t number, int from) {
+static void load_wide(fp3_chunks_maker *m, const runs *r, uint32_t number) {
     const fp3_chunks *chunks = m->chunks;
     const fp3_piece *piece = &chunks->cut.pieces[number];
     const fp3_chunk_data *data = &m->data[number];
-    const fp3_near_names *names = &m->near.names;
-    const fp3_chunks_run *list = near_run(m);
     for (uint32_t i = 0; i < chunks->run_count; i++)
         if (has_place(m, &chunks->runs[i])) {
-            load_run(m, &chunks->runs[i], from, piece->own, 0);
-            load_ghosts(m, &chunks->runs[i], from, piece);
+            load_run(m, &chunks->runs[i], r->from, piece->own, 0);
+            load_ghosts(m, &chunks->runs[i], r->from, piece);
         }
-    load_run(m, list, from, piece->own, 0);
-    move(m, m->near.wide, 1, piece->own, 0, 0, names->source, FLAG(LOAD));
+    load_run(m, near_run(m), r->from, piece->own, 0);
+    move(m, m->near.wide, 1, piece->own, 0, 0, m->near.names.source, FLAG(LOAD));
     move_words(m, data->lists, FLAG(LOAD));
     move_words(m, data->wide, FLAG(LOAD));
-    start(m, data->awake);
-    await(m, DONE);
+}
+
+static void store_lists(fp3_chunks_maker *m, const runs *r, uint32_t number) {
+    const fp3_piece *piece = &m->chunks->cut.pieces[number];
+    const fp3_near_names *names = &m->near.names;
+    const fp3_chunks_run *list = near_run(m);
+    (void)r;
     move(m, list->at[0], 1, piece->own, 0, 0, list->reg, FLAG(STORE));
     move(m, m->near.made, names->dimensions, piece->own, 0, 0, names->made[0], FLAG(STORE));
-    move_words(m, data->lists, FLAG(STORE));
+    move_words(m, m->data[number].lists, FLAG(STORE));
+}
+
+static uint32_t chunk_awake(const fp3_chunks_maker *m, uint32_t number) {
+    return m->data[number].awake;
 }
 
 static void renew(fp3_chunks_maker *m, int from) {
+    const runs r = {.count = m->chunks->cut.count,
+                    .from = from,
+                    .load = load_wide,
+                    .store = store_lists,
+                    .awake = chunk_awake};
     load_program(m, &m->near.renew);
-    for (uint32_t i = 0; i < m->chunks->cut.count; i++)
-        renew_chunk(m, i, from);
+    make_runs(m, &r);
     check(m, from, &m->near.roamed, m->near.stood, 0);
 }
 
@@ -185,22 +248,25 @@ static void keep_lists(fp3_chunks_maker *m, int from) {
 
 /* ---- steps ---- */
 
-static void make_chunk(fp3_chunks_maker *m, uint32_t number, int from) {
+static void load_chunk(fp3_chunks_maker *m, const runs *r, uint32_t number) {
     const fp3_chunks *chunks = m->chunks;
     const fp3_piece *piece = &chunks->cut.pieces[number];
     for (uint32_t i = 0; i < chunks->run_count; i++) {
-        load_run(m, &chunks->runs[i], from, piece->own, 0);
+        load_run(m, &chunks->runs[i], r->from, piece->own, 0);
         if (chunks->runs[i].is_seen)
-            load_ghosts(m, &chunks->runs[i], from, piece);
+            load_ghosts(m, &chunks->runs[i], r->from, piece);
     }
     move_words(m, m->data[number].lists, FLAG(LOAD));
-    start(m, m->data[number].awake);
-    await(m, DONE);
+}
+
+static void store_chunk(fp3_chunks_maker *m, const runs *r, uint32_t number) {
+    const fp3_chunks *chunks = m->chunks;
     for (uint32_t i = 0; i < chunks->run_count; i++) {
         const fp3_chunks_run *run = &chunks->runs[i];
         if (run->is_stored)
-            move(m, run->at[run->is_published && !from], run->count, piece->own,
-                 (uint32_t)run->is_published, 0, run->reg, FLAG(STORE));
+            move(m, run->at[run->is_published && !r->from], run->count,
+                 chunks->cut.pieces[number].own, (uint32_t)run->is_published, 0, run->reg,
+                 FLAG(STORE));
     }
 }
 
@@ -212,8 +278,12 @@ static int make_step(fp3_chunks_maker *m, int from) {
             keep_lists(m, from);
         if (m->phase_count > 1 || keeps)
             load_program(m, &m->phases[p]);
-        for (uint32_t i = 0; i < m->chunks->cut.count; i++)
-            make_chunk(m, i, from);
+        const runs r = {.count = m->chunks->cut.count,
+                        .from = from,
+                        .load = load_chunk,
+                        .store = store_chunk,
+                        .awake = chunk_awake};
+        make_runs(m, &r);
     }
     m->counts = 0;
     return from;
