@@ -1,6 +1,7 @@
 """The promises of the control modules, each stated in a specification beside this file, proved by induction."""
 
 import tile
+import values
 from subject import Subject, TIMING, configurations, latency
 
 import master_bugs
@@ -277,5 +278,5 @@ HUB = Subject(
 
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, TRANSFER, MASTER, HUB, *tile.SUBJECTS):
+    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, TRANSFER, MASTER, HUB, *tile.SUBJECTS, *values.SUBJECTS):
         yield from subject.cases()

@@ -41,6 +41,7 @@ LISTS = {
     "tests/formal/scale.py": lambda root, at: formal(root, at.BUGS),
     "tests/formal/control.py": lambda root, at: subjects(root, at),
     "tests/formal/tile.py": lambda root, at: subjects(root, at),
+    "tests/formal/values.py": lambda root, at: subjects(root, at),
     "tests/fast/test_fast.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fp/test_fp.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fpga/test_ecp5.py": lambda root, at: named(root, [(name, (f"fpga/{'/'.join(at.place(bug[0]))}.v", bug[1])) for name, bug in at.BUGS.items()]),
