@@ -114,4 +114,38 @@ EXCHANGE = Subject(
         ("the other half of the list is written", "to_write = write_i && write_addr_i[0]", "to_write = write_i && !write_addr_i[0]", LANES),
     ], models=("one_late_word.v",), cycles=14)
 
-SUBJECTS = [ROUNDS, LOOPS, EXCHANGE]
+# ---- fetch ----------------------------------------------------------------------------------------
+
+STRAIGHT, = named("many")
+JUMPS, = named("world")
+
+FETCH = Subject(
+    "fetch_spec", ("fp3_fetch.v",), "", [STRAIGHT, JUMPS], [
+        ("the step part once too often", "again      = steps_over && !none_q && !skip_i", "again      = steps_over && !skip_i && steps_q != 32'd0", STRAIGHT),
+        ("the step part once", "none_q   <= steps_i == 32'd1", "none_q   <= 1'b1", STRAIGHT),
+        ("the last step is not the last", "(pending_q ? 32'd3 : 32'd2)", "32'd2", STRAIGHT),
+        ("a step counts twice", "else if (pending_q) steps_q <= fewer", "else steps_q <= fewer", STRAIGHT),
+        ("steps are not left out", "!none_q && !skip_i", "!none_q", STRAIGHT),
+        ("a step begins at the first word", "again ? step : pc_q + 1'b1", "again ? {PROGRAM_W{1'b0}} : pc_q + 1'b1", STRAIGHT),
+        ("the last word of a step part is left out", "step_end_q <= setting_last[PROGRAM_W-1:0] - 1'b1", "step_end_q <= setting_last[PROGRAM_W-1:0] - 2'd2", STRAIGHT),
+        ("the program's last word is left out", "end_q      <= setting_size[PROGRAM_W-1:0] - 1'b1", "end_q      <= setting_size[PROGRAM_W-1:0] - 2'd2", STRAIGHT),
+        ("a step of one word", "again ? {again_over, again_ends}", "again ? {1'b0, again_ends}", STRAIGHT),
+        ("a program of one word", "{zero_over, zero_ends};", "{1'b0, 1'b0};", STRAIGHT),
+        ("no other visit", "again || !ends || wraps", "again || !ends", STRAIGHT),
+        ("another visit always", "again || !ends || wraps", "1'b1", STRAIGHT),
+        ("a visit begins unseen", "again_o  = anew && !start_i", "again_o  = 1'b0", STRAIGHT),
+        ("the last part is none", "in_last_q || (steps_over && !again)", "in_last_q", STRAIGHT),
+        ("each step part ends in the last one", "in_last_q || (steps_over && !again)", "in_last_q || steps_over", STRAIGHT),
+        ("the end is marked within steps", "{begins_q, ends && !again,", "{begins_q, ends,", STRAIGHT),
+        ("each word begins a visit", "none_q   <= none_q || (again && one);\n            begins_q <= 1'b0;", "none_q   <= none_q || (again && one);", STRAIGHT),
+        ("a word is lost while its taker waits", "pc_2q    <= pc_1q;", "pc_2q    <= pc_q;", STRAIGHT),
+        ("memory goes on while its taker waits", ".read_i(advance_i)", ".read_i(1'b1)", STRAIGHT),
+        ("a stop leaves a word", "if (rst_i || stop_i) begin", "if (rst_i) begin", STRAIGHT),
+        ("a jump leaves words", "active_q <= jump_on_i;\n            valid_1q <= 1'b0;", "active_q <= jump_on_i;", JUMPS),
+        ("a jump to nowhere goes on", "active_q <= jump_on_i;", "active_q <= 1'b1;", JUMPS),
+        ("a batch begins within its visit", "|| (jump && jump_begins_i)", "", JUMPS),
+        ("a jump to the end is none", "{from == step_end_q, from == end_q}", "{from == step_end_q, 1'b0}", JUMPS),
+        ("a visit goes on by itself", "wraps      = NEIGHBOURS == 0 && more_i", "wraps      = more_i", JUMPS),
+    ], models=("one_late_word.v",), cycles=18)
+
+SUBJECTS = [ROUNDS, LOOPS, EXCHANGE, FETCH]
