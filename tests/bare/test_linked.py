@@ -126,6 +126,14 @@ def test_lists_of_near_objects_are_made_beyond_the_store(linked, tmp_path, confi
     assert row["host_accesses_between_steps"] == 0 and (row["chunks"] > 1 and row["ghosts"] > 0) == (objects > 1)
 
 
+def test_a_part_too_small_for_a_batch_is_not_used(linked, tmp_path):
+    """These see so many that half of the store has no room for a full batch: the list is that of hardware without parts."""
+    (tmp_path / "ties.csv").write_text("a,b\n", encoding="utf-8")
+    scene = CROWD.replace("INTEGRATOR", "heun").replace("OBJECTS", "500").replace("SIDE", "1.0")
+    rows = [json.loads(linked(scene, 2, config, (0.05,)).stdout) for config in ("world_memory", "world_overlap")]
+    assert rows[0] == rows[1] | {"config": "world_memory"} and rows[0]["objects"] / rows[0]["chunks"] > 2 * 24
+
+
 def test_an_object_that_goes_too_far_ends_the_list(linked, tmp_path):
     (tmp_path / "ties.csv").write_text("a,b\n", encoding="utf-8")
     done = linked(CROWD.replace("INTEGRATOR", "semi_implicit_euler").replace("OBJECTS", "60").replace("SIDE", "1.0"), 12, roam=(0.03,))
