@@ -51,6 +51,11 @@ static inline size_t lns_special_words(uint32_t *words) {
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
         for (uint32_t sign = 0; sign < 2; sign++)
             words[n++] = sizes[i] | sign << 31;
+    /* Each bit alone makes a NaN of an infinity, and a number of a zero. */
+    for (uint32_t bit = 0; bit < 23; bit++) {
+        words[n++] = LNS_INFINITE | 1u << bit;
+        words[n++] = 1u << bit;
+    }
     return n;
 }
 
