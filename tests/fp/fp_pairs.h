@@ -120,12 +120,15 @@ static inline void fp3_pair(gsl_rng *rng, unsigned exp, unsigned frac, fp3_bench
 }
 
 /* An addend for the product of a and b, mostly where they meet: it cancels the product, or is half
- * a unit of one of them away from where it changes something. */
+ * a unit of one of them away from where it changes something; beside an infinite product it is
+ * often infinite. */
 static inline uint32_t fp3_third(gsl_rng *rng, unsigned exp, unsigned frac, uint32_t a,
                                  uint32_t b) {
     const uint32_t all = (UINT32_C(1) << frac) - 1, hidden = all + 1;
     const int f = (int)frac, top = (1 << exp) - 2, bias = top / 2;
     const uint32_t ea = a >> frac & (uint32_t)(top + 1), eb = b >> frac & (uint32_t)(top + 1);
+    if ((ea > (uint32_t)top || eb > (uint32_t)top) && fp3_below(rng, 2))
+        return ((uint32_t)top + 1 + (fp3_below(rng, 2) << exp)) << frac;
     uint64_t product = (uint64_t)((a & all) | (ea ? hidden : 0)) * ((b & all) | (eb ? hidden : 0));
     int e =
         (int)(ea ? ea : 1) + (int)(eb ? eb : 1) - bias + 1; /* of the product's bit 2 * frac + 1 */

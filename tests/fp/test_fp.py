@@ -140,6 +140,7 @@ BUGS = [
     Bug("fused tiny before rounding", "madd", 3, FMA_ROUND, "&& !(NEAREST != 0 && SUBNORMAL", "&& !(1'b0 && SUBNORMAL"),
     Bug("fused zero keeps its sign", "msub", 3, FMA_ROUND, "!(zero_1 && minus_1 && usual_1)", "1'b1"),
     Bug("fused flushed without a flag", "madd", 0, FMA_ROUND, "!exact || flush}", "!exact}"),
+    Bug("fused infinities of two signs", "madd", 3, FMA, "z_inf && px_inf && !px_nan && minus", "1'b0"),
     Bug("fused zero times infinity valid", "madd", 3, FMA_PRODUCT, "&& !y_quiet_0) || clash}", "&& !y_quiet_0)}"),
     Bug("fused loses bits without a word", "madd", 7, ALIGN, "lost[n_1]", "lost[7] && n_1 > 4"),
     Bug("register inverts a bit", "add", 8, CUT, "d_q <= d_i;", "d_q <= d_i ^ 1'b1;"),
