@@ -29,7 +29,7 @@ sys.path += [str(ROOT / folder) for folder in ("tests", "tests/modules", "tests/
 
 from fp3mutate import ladders
 from fp3mutate.equal import Circuit
-from fp3mutate.netlist import Design, Failed
+from fp3mutate.netlist import Failed
 
 BUILD = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build"))
 
@@ -70,7 +70,7 @@ def measure(root, ladder, modules, args, tell=lambda text: None):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     try:
-        design = Design(args.yosys, root, folder, ladder.top, ladder.parameters, modules, ladder.read)
+        design = ladder.kind(args.yosys, root, folder, ladder.top, ladder.parameters, modules, ladder.read)
         design.elaborate()
         mutants = design.choose(args.seed, args.count)
         design.apply()
@@ -146,7 +146,9 @@ def main():
         try:
             found = measure(ROOT, ladder, modules, args, tell)
         except Failed as why:
-            failed.append(f"{ladder.name}: {why}")
+            failed.append(ladder.name)
+            tell("")
+            print(f"mutate: {ladder.name}: {why}", file=sys.stderr, flush=True)
             continue
         tell("")
         for name in modules:
@@ -159,8 +161,6 @@ def main():
     total = {key: sum(row[key] for row in fresh.values()) for key in ("mutants", "killed", "equivalent", "open")}
     print(f"mutate: {len(fresh)} modules, {total['mutants']} mutants: {total['killed']} killed, {total['equivalent']} equivalent, {total['open']} open, "
           f"in {time.monotonic() - start:.0f} s; {args.results}")
-    for why in failed:
-        print(f"mutate: {why}", file=sys.stderr)
     return 1 if failed else 0
 
 

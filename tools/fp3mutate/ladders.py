@@ -2,10 +2,13 @@
 
 from typing import NamedTuple
 
+import control
 import simulate
 import test_modules
 import test_parts
 
+from .netlist import Design
+from .promises import Promises, Spec
 from .rungs import Bench, Cosim, Units
 
 
@@ -17,6 +20,7 @@ class Ladder(NamedTuple):
     parameters: dict
     rungs: object                        # of a Design: its rungs
     read: str = ""                       # a source beside rtl/
+    kind: type = Design
     whole: bool = True                   # equivalence is asked of the whole design; else of the mutant's module, as if its inputs were any
 
 
@@ -41,7 +45,13 @@ def of_units(made, name, modules, read, parameters, *programs):
 def of_config(made, config, modules, *programs):
     """Programs that compare a named configuration with the engine isa."""
     rungs = lambda design: [Cosim(design, made, *words) for words in programs]
-    return Ladder(config, modules, f"fp3_{config}", {}, rungs, f"{made}/rtl/fp3_{config}.v", False)
+    return Ladder(config, modules, f"fp3_{config}", {}, rungs, f"{made}/rtl/fp3_{config}.v", whole=False)
+
+
+def of_spec(subject):
+    """A specification of tests/formal."""
+    module = subject.sources[0].removeprefix("fp3_").removesuffix(".v")
+    return Ladder(f"{module}, its promises", (module,), subject.spec, {}, lambda design: [Promises(design)], subject, Spec, False)
 
 
 def all_of(root, made):
@@ -74,16 +84,16 @@ def all_of(root, made):
                  *(("fp_small", "--op", op, "--row", 3, "--pairs", 20000) for op in ("add", "sub", "mul", "madd", "msub"))),
         of_units(made, "lns", ("lns_add", "lns_add_curve", "lns_curve", "lns_inverse", "lns_mul", "lns_root"),
                  "tests/lns/lns_bench.v tests/lns/fp3_lns_from_float.v tests/lns/fp3_lns_to_float.v", {}, ("lns_rtl", 30000)),
-        of_config(made, "single", ("solo", "scoreboard", "solo_arith", "fetch", "axi_lite", "responses"), stream("single"), ("host_port", "single")),
-        of_config(made, "many", ("host_port", "host_decode", "sequencer", "one_stream", "sweep", "batch", "pace", "counters", "lane_arith",
+        of_config(made, "single", ("solo", "solo_arith", "fetch", "axi_lite", "responses"), stream("single"), ("host_port", "single")),
+        of_config(made, "many", ("host_port", "host_decode", "sequencer", "one_stream", "sweep", "batch", "counters", "lane_arith",
                   "adder", "multiplier", "unit", "lane_group", "tile", "tile_scheduler"),
                   stream("many"), ("host_port", "many")),
         of_config(made, "world", ("loops", "lists"), *neighbours("world")),
-        of_config(made, "shared", ("arbiter", "shared_arith"), stream("shared")),
-        of_config(made, "dual", ("two_streams", "dual_sweep", "dual_pace", "dual_end", "dual_operands", "product", "fp_scale"), stream("dual")),
+        of_config(made, "shared", ("shared_arith",), stream("shared")),
+        of_config(made, "dual", ("two_streams", "dual_sweep", "dual_end", "dual_operands", "product", "fp_scale"), stream("dual")),
         of_config(made, "single_fused", ("solo_fused",), stream("single_fused")),
         of_config(made, "log", ("log_arith",), stream("log")),
         of_config(made, "fused_full", ("fused_arith", "fused_adder", "fp_value", "fp_estimate", "fp_exponent"), stream("fused_full")),
         of_config(made, "many_half", ("draws",), stream("many_half")),
-        of_part(root, "master", "master", "bursts", "transfer", "turns"),
+        *map(of_spec, (control.SCOREBOARD, control.ARBITER, control.PACE, control.DUAL_PACE)),
     ]

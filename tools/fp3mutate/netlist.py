@@ -103,11 +103,13 @@ class Design:
     def width(self):
         return max(1, len(self.mutants).bit_length())
 
+    def write_script(self):
+        (self.folder / "mutants.ys").write_text("".join(f"mutate -ctrl mutant {self.width()} {mutant.number} {mutant.line}\n" for mutant in self.mutants))
+
     def apply(self):
-        """Writes netlist.v and circuit.aag with all mutants in them."""
-        script = self.folder / "mutants.ys"
-        script.write_text("".join(f"mutate -ctrl mutant {self.width()} {mutant.number} {mutant.line}\n" for mutant in self.mutants))
-        said(self.yosys, f"read_rtlil {self.path('design.il')}; script {self.path(script.name)}; opt_clean; "
+        """Writes netlist.v with all mutants in it."""
+        self.write_script()
+        said(self.yosys, f"read_rtlil {self.path('design.il')}; script {self.path('mutants.ys')}; opt_clean; "
              f"write_verilog -noattr {self.path('written.v')}; write_rtlil {self.path('mutants.il')}", self.root)
         self.write("netlist.v")
 

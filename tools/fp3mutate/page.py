@@ -27,10 +27,12 @@ METHOD = """
 - The rungs: `bench` is the module's bench of cocotb under Icarus (`tests/modules`). `fp_small`, `lns_rtl` are programs that compare arithmetic with
   tables and models. `random_stream`, `host_port`, `neighbours` and `given` compare a whole processor under Verilator with the engine `isa`. They are shorter
   here than in `make test`.
-- The proofs of `tests/formal` do not take part. They cover `scoreboard`, `arbiter`, `pace`, `dual_pace`, `rounds`, `loops`, the bus and the cores:
-  what is open there, they may well see.
+- `promises` asks the specification of `tests/formal` beside the module: may a promise be broken within 24 cycles of reset? Where nothing else would
+  tell (`scoreboard`, `arbiter`, `pace`, `dual_pace`) it is the only rung. Other proofs do not take part: what is open in `rounds`, `loops`, `exchange`, `hub`,
+  the bus and the cores, they may well see.
 - Equivalence is asked of all that the bench has. In a whole processor it is asked of the module alone, with any inputs: a change that counts only for
   inputs that never come stays open. Memories are taken out: what they are given must be the same.
+- Not yet measured: the master of AXI4 and its parts, the board, `rtl/lib` but for what has a bench, and the pictures.
 - The same seed gives the same mutants. `make mutate` takes a fresh one, and prints it.
 
 `make mutate MODULES="rounds issue" COUNT=100 SEED=7` asks for some modules. It writes `build/results/mutation.json`, in which each open mutant has
