@@ -112,12 +112,13 @@ def row_of(name, found, args, old):
     row = {"name": name, "mutants": len(found) + (old["mutants"] if old else 0), "killed": sum(by.values()), "by": by,
            "equivalent": count("equivalent") + (old["equivalent"] if old else 0), "open": count("open") + (old["open"] if old else 0)}
     row["score"] = round(row["killed"] / (row["mutants"] - row["equivalent"]), 4) if row["mutants"] > row["equivalent"] else None
-    return row | {"seed": args.seed, "holes": (old["holes"] if old else []) + [mutant.row() for mutant, what in found if what == "open"]}
+    return row | {"seed": args.seed, "date": time.strftime("%Y-%m-%d"), "holes": (old["holes"] if old else []) + [mutant.row() for mutant, what in found if what == "open"]}
 
 
-def write(path, rows):
+def write(path, rows, names):
+    """names: of all modules that have a ladder."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"modules": [rows[name] for name in sorted(rows)]}, indent=1) + "\n")
+    path.write_text(json.dumps({"modules": [rows[name] for name in sorted(rows)], "unmeasured": sorted(names - {*rows})}, indent=1) + "\n")
 
 
 def told(row):
@@ -157,7 +158,7 @@ def main():
             for mutant, what in found:
                 if mutant.module == name and what == "open":
                     print(f"  open: {mutant.source}: {mutant.field('mode')} at {mutant.place} {mutant.field('wire')}", flush=True)
-        write(args.results, rows)
+        write(args.results, rows, names)
     total = {key: sum(row[key] for row in fresh.values()) for key in ("mutants", "killed", "equivalent", "open")}
     print(f"mutate: {len(fresh)} modules, {total['mutants']} mutants: {total['killed']} killed, {total['equivalent']} equivalent, {total['open']} open, "
           f"in {time.monotonic() - start:.0f} s; {args.results}")

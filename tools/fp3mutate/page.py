@@ -32,7 +32,7 @@ METHOD = """
   the bus and the cores, they may well see.
 - Equivalence is asked of all that the bench has. In a whole processor it is asked of the module alone, with any inputs: a change that counts only for
   inputs that never come stays open. Memories are taken out: what they are given must be the same.
-- Not yet measured: the master of AXI4 and its parts, the board, `rtl/lib` but for what has a bench, and the pictures.
+- The master of AXI4 and its parts, the board, the pictures and most of `rtl/lib` have no mutants.
 - The same seed gives the same mutants. `make mutate` takes a fresh one, and prints it.
 
 `make mutate MODULES="rounds issue" COUNT=100 SEED=7` asks for some modules. It writes `build/results/mutation.json`, in which each open mutant has
@@ -44,17 +44,25 @@ def score(row):
     return "-" if row["score"] is None else f"{100 * row['score']:.0f} %"
 
 
+def dates(rows):
+    first, last = min(row["date"] for row in rows), max(row["date"] for row in rows)
+    return f"on {first}" if first == last else f"from {first} to {last}"
+
+
 def page(data):
     rows = sorted(data["modules"], key=lambda row: row["name"])
     total = {key: sum(row[key] for row in rows) for key in ("mutants", "killed", "equivalent", "open")}
     share = total["killed"] / max(1, total["mutants"] - total["equivalent"])
     lines = [TOP, f"Of {total['mutants']:,} mutants in {len(rows)} modules "
              f"{total['killed']:,} are killed, {total['equivalent']:,} are equivalent and "
-             f"{total['open']:,} are open: a score of {100 * share:.1f} %.\n",
+             f"{total['open']:,} are open: a score of {100 * share:.1f} %.",
+             f"Rows were measured {dates(rows)}.\n",
              "| module | mutants | killed by | equivalent | open | score |", "|---|---|---|---|---|---|"]
     for row in rows:
         by = ", ".join(f"`{rung}` {count}" for rung, count in row["by"].items()) or "-"
         lines.append(f"| `{row['name']}` | {row['mutants']} | {by} | {row['equivalent']} | {row['open']} | {score(row)} |")
+    if data["unmeasured"]:
+        lines += ["", f"Not measured yet: {', '.join(f'`{name}`' for name in data['unmeasured'])}."]
     lines += [METHOD.rstrip("\n"), "", "## Open", "", "Where the mutants lie that nothing killed.", "", "| module | where | lines |", "|---|---|---|"]
     for row in rows:
         places = {}
