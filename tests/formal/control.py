@@ -276,7 +276,29 @@ HUB = Subject(
     ])
 
 
+ONE_RUN = {"CONFIG": "many"}
+
+HOST_PORT = Subject(
+    "host_port_spec", ("fp3_host_port.v", "fp3_host_decode.v", "fp3_delay.v"), "", [ONE_RUN, {"CONFIG": "world_keep"}], [
+        ("a refused setting is set", "else if (to_q && ok_q) value_q", "else if (to_q) value_q", ONE_RUN),
+        ("a refused start begins a run", "start        = to_control_q && ok_q && wants_start", "start        = to_control_q && wants_start", ONE_RUN),
+        ("a refused write reaches a memory", "access_q  <= check_q && ok && in_memory", "access_q  <= check_q && in_memory", ONE_RUN),
+        ("a refused word reaches the program", "load_q    <= check_q && ok && in_program", "load_q    <= check_q && in_program", ONE_RUN),
+        ("a write is answered as a read, too", "ours_q    <= check_q && !write_q && ours", "ours_q    <= check_q && ours", ONE_RUN),
+        ("a read of a memory is answered a cycle early", ".N(MEMORY_LATENCY)) u_fetched (", ".N(MEMORY_LATENCY-1)) u_fetched (", ONE_RUN),
+        ("a stop without a run", "ok_q && wants_stop && running_i", "ok_q && wants_stop", ONE_RUN),
+    ], depth=5, models=("any_counters.v",), cycles=16)
+
+# What a run needs is set with pauses that are too long for a run from reset.
+HOST_PORT_RUN = HOST_PORT._replace(shapes=[], cycles=0, bugs=[
+        ("a start without steps clears no counter", "clear_q    <= start;", "clear_q    <= start && !no_steps_q;", ONE_RUN),
+        ("a stop in the cycle of an illegal word is a reason, too", "if (stop_o && !illegal_i && !illegal_q", "if (stop_o && !illegal_q", ONE_RUN),
+        ("an illegal word behind a stop is a reason, too", "if (illegal_i && !stopped_q && !no_room_q)", "if (illegal_i && !no_room_q)", ONE_RUN),
+        ("a start without steps begins a run", "start && !no_steps_q && !rst_i", "start && !rst_i", ONE_RUN),
+    ])
+
+
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, TRANSFER, MASTER, HUB, *tile.SUBJECTS, *values.SUBJECTS):
+    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, TRANSFER, MASTER, HUB, HOST_PORT, HOST_PORT_RUN, *tile.SUBJECTS, *values.SUBJECTS):
         yield from subject.cases()
