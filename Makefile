@@ -446,29 +446,41 @@ mutate: all | need-prove ## Mutants of the hardware against the tests, and which
 # ---- fuzzing ------------------------------------------------------------------------------------
 
 FUZZ        := $(BUILD)/fuzz
-FUZZ_O      := $(patsubst %.c,$(FUZZ)/obj/%.o,$(LIB_C) tests/fuzz/fuzz_model.c)
 FUZZ_FLAGS  := -std=c11 -D_GNU_SOURCE -O1 -g $(NUMBERS) -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
-FUZZ_RUN     = nice $(FUZZ)/fuzz_model -timeout=10 -artifact_prefix=$(FUZZ)/
-FUZZ_CORPUS := tests/fuzz/corpus tests/fuzz/seeds $(FUZZ)/programs
+FUZZ_TARGET := $(FUZZ)/fuzz_$(if $(READER),reader,model)
+FUZZ_FOUND  := $(FUZZ)/found$(READER:%=-%)
+FUZZ_RUN     = LSAN_OPTIONS=suppressions=tests/leaks.txt:print_suppressions=0 FP3_READER=$(READER) nice $(FUZZ_TARGET) -timeout=10 -artifact_prefix=$(FUZZ)/$(READER:%=%-)
+# Where a reader begins: what was found before, and files of the project in its form.
+FUZZ_CORPUS  = tests/fuzz/$(if $(READER),readers/$(READER),corpus tests/fuzz/seeds) $(FUZZ)/seeds$(READER:%=-%)
+FUZZ_SEEDS   = $(wildcard $(if $(READER),$(or $(FUZZ_SEEDS_$(READER)),programs/*.s),programs/*.ode))
+FUZZ_SEEDS_integrator := programs/integrators/*.cfg
+FUZZ_SEEDS_params     := programs/*.cfg
+FUZZ_SEEDS_links      := programs/world/*.csv
+FUZZ_SEEDS_scene      := programs/*.scene programs/world/*.scene
+FUZZ_SEEDS_image      := $(BUILD)/results/*.fp3
 
 $(FUZZ)/obj/%.o: %.c | need-fuzz
 	@mkdir -p $(@D)
 	@clang $(FUZZ_FLAGS) -DFP3_LIBFUZZER $(INCLUDES) -MMD -MP -c -o $@ $<
 
 # Out of an archive only what the target needs is linked.
-$(FUZZ)/fuzz_model: $(FUZZ_O)
-	@echo "  LD   $@"
-	@rm -f $@.a && ar rcs $@.a $(FUZZ_O)
-	@clang -fsanitize=fuzzer,address,undefined -o $@ $(FUZZ)/obj/tests/fuzz/fuzz_model.o $@.a $(LDLIBS)
-	@mkdir -p $(FUZZ)/found $(FUZZ)/programs && cp programs/*.ode $(FUZZ)/programs
+$(FUZZ)/lib.a: $(LIB_C:%.c=$(FUZZ)/obj/%.o) $(SWEEPS) $(SOLVERS)
+	@rm -f $@ && ar rcs $@ $^
 
-.PHONY: fuzz fuzz-corpus
-fuzz: $(FUZZ)/fuzz_model ## Feed bytes to the model compiler (libFuzzer); what breaks it is left in build/fuzz/; MINUTES=30
-	@$(FUZZ_RUN) -max_total_time=$$((60 * $(or $(MINUTES),30))) -max_len=8192 -dict=tests/fuzz/model.dict -print_final_stats=1 $(FUZZ)/found $(FUZZ_CORPUS)
+$(FUZZ)/fuzz_%: $(FUZZ)/obj/tests/fuzz/fuzz_%.o $(FUZZ)/lib.a
+	@echo "  LD   $@"
+	@clang -fsanitize=fuzzer,address,undefined -o $@ $^ $(LDLIBS)
+
+.PHONY: fuzz fuzz-corpus fuzz-places
+fuzz-places: $(FUZZ_TARGET) | need-fuzz
+	@mkdir -p $(FUZZ_FOUND) $(FUZZ_CORPUS) && cp $(FUZZ_SEEDS) $(FUZZ)/seeds$(READER:%=-%)
+
+fuzz: fuzz-places ## Feed bytes to the model compiler (libFuzzer), or to READER=assembly|image|integrator|params|links|scene|packet; what breaks it is left in build/fuzz/; MINUTES=30
+	@$(FUZZ_RUN) -max_total_time=$$((60 * $(or $(MINUTES),30))) -max_len=8192 $(if $(READER),,-dict=tests/fuzz/model.dict) -print_final_stats=1 $(FUZZ_FOUND) $(FUZZ_CORPUS)
 
 # What is reached counts, not how often: that keeps the corpus small.
-fuzz-corpus: $(FUZZ)/fuzz_model ## Add to tests/fuzz/corpus/ what build/fuzz/found/ reaches and the corpus does not
-	@$(FUZZ_RUN) -merge=1 -use_counters=0 tests/fuzz/corpus tests/fuzz/seeds $(FUZZ)/programs $(FUZZ)/found
+fuzz-corpus: fuzz-places ## Add to tests/fuzz/ what build/fuzz/found/ reaches and the corpus does not; READER=
+	@$(FUZZ_RUN) -merge=1 -use_counters=0 $(FUZZ_CORPUS) $(FUZZ_FOUND)
 
 # The same build holds all mutants of a part: each is chosen while a test runs.
 .PHONY: mutate-c
