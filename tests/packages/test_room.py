@@ -98,7 +98,7 @@ def test_a_setting_that_needs_a_store_is_not_there_without(copy):
 KEY = """[key.extra]
 range    = [0, 15]
 default  = 0
-feature  = [51, 48]
+feature  = [55, 52]
 meaning  = "a key of the second word"
 
 [key.add_latency]"""
@@ -108,14 +108,14 @@ meaning  = "a key of the second word"
 def test_features_go_on_in_a_second_word(root, copy, value):
     replace(copy / "isa/configs.toml", ("[key.add_latency]", KEY), ('name = "single"\n', f'name = "single"\nextra = {value}\n'))
     features, more = shown(run(copy, "single", ["s c 0", "s 48 0"]))
-    assert features == 0x0402021b | (value != 0) << 7 and more == value << 16
+    assert features == 0x0402021b | (value != 0) << 7 and more == value << 20
     assert changed(root, copy) == {"isa/configs.toml"}
     # The map of SystemRDL has them, and the software expects these words.
     done = subprocess.run([root / ".venv/bin/python", root / "tests/packages/read_map.py", "rdl", copy / "rtl/gen/fp3.rdl", "fp3_single"],
                           capture_output=True, text=True, timeout=120)
     fields = {name: {field[0]: field[4] for field in fields} for name, _, fields in json.loads(done.stdout)["fp3_single"]["registers"]}
     assert fields["0.features_more"] == {"neighbours": 0, "exchange": 0, "finite": 0, "fused": 0, "logarithmic": 0, "fraction": 0, "storage": 0, "mixed": 0,
-                                         "counters": 0, "master": 0, "keep": 0, "extra": value}
+                                         "counters": 0, "master": 0, "keep": 0, "overlap": 0, "extra": value}
     assert fields["0.features"]["more"] == (value != 0)
     (copy / "words.c").write_text('#include "machine/config.h"\n#include "gen/registers.h"\n#include <stdio.h>\n#include <string.h>\n'
                                   "const fp3_config c[] = {FP3_CONFIG_ROWS};\n"
@@ -125,7 +125,7 @@ def test_features_go_on_in_a_second_word(root, copy, value):
     shutil.copytree(root / "sw/base", copy / "sw/base")
     subprocess.run(["gcc", "-std=c11", "-Wno-unused", f"-I{copy}/sw", f"-I{copy}/sw/include", "words.c", "-o", "words"], cwd=copy, check=True)
     words = [int(word, 16) for word in subprocess.run([copy / "words"], capture_output=True, text=True, check=True).stdout.split()]
-    assert words[-1] == value << 16 and (words[-4] >> 7 & 1) == (value != 0)
+    assert words[-1] == value << 20 and (words[-4] >> 7 & 1) == (value != 0)
 
 
 OWN = """[key.own]
