@@ -12,7 +12,7 @@ SHORT = {
     "add in 9 bits": ["add", "--exp", "4", "--frac", "4"],
     "mutants in 12 bits": ["mutants", "--exp", "5", "--frac", "6", "--case", "seeded: sticky dropped"],
     "control": ["control", "--case", "^(?!pace, (16|24) |dual_pace, [39] |scoreboard, latencies 14|arbiter, [3-8] schedulers, patience 127"
-                "|(rounds|loops), (?!world_keep$)|exchange, fabric$|fetch, world|host_port, world_keep|hub, (40|64) |fp_estimate|fp_(rint|exponent), cut 0|narrow, storage 1"
+                "|(rounds|loops), (?!world_keep$)|exchange, fabric$|fetch, world|host_port, world_keep|hub, (40|64) |fp_estimate|fp_(rint|exponent), cut 0|narrow, storage"
                 "|axi_lite, 2.[24]|transfer,|master, 24|scoreboard, latencies (2 and 2|3 and 5|3 and 2|5 and 3|1 and 1, bypass (0, chain 0|1, chain 1))|seeded: (?!a (flag falls a cycle late|grant in)))"],
     "mul in 12 bits": ["mul", "--exp", "5", "--frac", "6"],
     "fma in 7 bits": ["fma", "--exp", "3", "--frac", "3", "--case", "^(?![23] zeros)"],
