@@ -24,6 +24,7 @@ import threading
 import tomllib
 
 from fp3cmutants import ladder
+from fp3gen.text import between, markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 LISTED = ROOT / "tests/mutants.toml"
@@ -46,7 +47,7 @@ def judge(tree, rungs, mutant):
 def measure(part, count, seed, jobs, folder, say):
     """A row for each file of a part."""
     rungs = [ladder.Rung(text) for text in part["rungs"]]
-    tree = ladder.Tree(folder, part["files"], ladder.programs(rungs))
+    tree = ladder.Tree(folder, part["files"], ladder.programs(rungs) | set(part.get("programs", ())))
     chosen = tree.mutants if not count or count >= len(tree.mutants) else random.Random(seed).sample(tree.mutants, count)
     for rung in rungs:
         rung.begin(tree)
@@ -88,6 +89,19 @@ def text(found):
     score = "–" if found["score"] is None else f"{found['score']:.1%}"
     return (f"{found['name']}: {found['mutants']} of {found['of']} mutants, {found['killed']} killed, {found['equivalent']} equivalent, {found['open']} open: {score}"
             + "".join(f"\n    {found['name']}:{hole['line']}:{hole['column']}: {hole['change']}{' (not reached)' if 'why' in hole else ''}" for hole in found["holes"]))
+
+
+def page(text, found):
+    """docs/mutation_c.md with the tables of what was measured."""
+    rows = found["modules"]
+    total = {key: sum(row[key] for row in rows) for key in ("mutants", "of", "killed", "equivalent", "open")}
+    shown = [[f"`{row['name']}`", f"{row['mutants']} of {row['of']}", row["killed"], row["equivalent"], row["open"],
+              sum("why" in hole for hole in row["holes"]), "–" if row["score"] is None else f"{row['score']:.0%}"] for row in rows]
+    shown.append(["all", f"{total['mutants']} of {total['of']}", total["killed"], total["equivalent"], total["open"],
+                  sum("why" in hole for row in rows for hole in row["holes"]), f"{total['killed'] / max(1, total['mutants'] - total['equivalent']):.0%}"])
+    holes = [[f"`{row['name']}`", hole["line"], f"`{hole['change']}`", "" if "why" in hole else "yes"] for row in rows for hole in row["holes"]]
+    text = between(text, "files", markdown(["file", "mutants", "killed", "equivalent", "open", "of these not reached", "score"], shown))
+    return between(text, "holes", markdown(["file", "line", "change", "reached"], holes))
 
 
 def main():

@@ -151,7 +151,12 @@ def mutation(results):
     return {"mutation.md": page.page(results("mutation.json", "mutate"))}
 
 
-PAGES = {page.__name__: page for page in (results, sizes, memory, bench, skip, stress, tune, scenes, world, bodies, cluster, everywhere, arithmetic, mutation)}
+def mutation_c(results):
+    import mutate_c
+    return {"mutation_c.md": mutate_c.page(results.page("mutation_c.md"), results("mutation_c.json", "mutate-c"))}
+
+
+PAGES = {page.__name__: page for page in (results, sizes, memory, bench, skip, stress, tune, scenes, world, bodies, cluster, everywhere, arithmetic, mutation, mutation_c)}
 
 
 def text_of(made):
